@@ -1,0 +1,76 @@
+// An owned array of plain values that, unlike std::vector, leaves new elements uninitialised: tables of hundreds of
+// megabytes are written once, by many threads, and must not be touched before that.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace limn {
+
+template <class T>
+class Array {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+  public:
+    Array() = default;
+    Array(Array&& other) noexcept
+        : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+    Array& operator=(Array&& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        return *this;
+    }
+    Array(const Array& other) {
+        allocate(other.size_);
+        if (size_ != 0) std::memcpy(data_, other.data_, size_ * sizeof(T));
+    }
+    Array& operator=(const Array& other) {
+        if (this != &other) *this = Array(other);
+        return *this;
+    }
+    ~Array() { std::free(data_); }
+
+    /// Replaces the contents by `size` uninitialised elements; aborts when memory is exhausted, as operator new would
+    /// in a build without exceptions.
+    void allocate(size_t size) {
+        std::free(data_);
+        data_ = nullptr;
+        size_ = 0;
+        if (size == 0) return;
+        if (size > static_cast<size_t>(-1) / sizeof(T)) std::abort();
+        data_ = static_cast<T*>(std::malloc(size * sizeof(T)));
+        if (data_ == nullptr) std::abort();
+        size_ = size;
+    }
+    void assign(size_t size, T value) {
+        allocate(size);
+        for (size_t i = 0; i < size; ++i) data_[i] = value;
+    }
+
+    T& operator[](size_t i) { return assert(i < size_), data_[i]; }
+    const T& operator[](size_t i) const { return assert(i < size_), data_[i]; }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    size_t size() const { return size_; }
+    bool empty() const { return size_ == 0; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
+    T& back() { return (*this)[size_ - 1]; }
+    const T& back() const { return (*this)[size_ - 1]; }
+    operator std::span<const T>() const { return {data_, size_}; }
+    operator std::span<T>() { return {data_, size_}; }
+    size_t bytes() const { return size_ * sizeof(T); }
+
+  private:
+    T* data_ = nullptr;
+    size_t size_ = 0;
+};
+
+}  // namespace limn

@@ -1,0 +1,182 @@
+#include "limn/stencil_row.h"
+
+namespace limn {
+namespace {
+
+void add(Row& row, uint32_t index, double weight) {
+    if (weight != 0) row.push_back({index, weight});
+}
+
+void add_centroid(const Topology& p, uint32_t f, double weight, Row& row) {
+    const auto vertices = p.vertices_of_face(f);
+    for (const uint32_t v : vertices) add(row, v, weight / static_cast<double>(vertices.size()));
+}
+
+uint32_t quad_vertex(const Topology& p, uint32_t corner, uint32_t turn) {
+    return p.face_vertices[(corner & ~3u) | ((corner + turn) & 3u)];
+}
+
+/// The smooth edge point, faces by faces; its ends also take `crease` / 2 each.
+void add_edge_point(const Topology& p, uint32_t e, double smooth, Row& row) {
+    const uint32_t a = p.edge_vertices[2 * e], b = p.edge_vertices[2 * e + 1];
+    const auto at = p.corners_of_edge(e);
+    const double crease = (1 - smooth) / 2;
+    if (p.options.scheme == Scheme::loop) {
+        add(row, a, crease + smooth * 0.375);
+        add(row, b, crease + smooth * 0.375);
+        for (const uint32_t c : at) add(row, p.face_vertices[p.previous_corner(c)], smooth * 0.125);
+    } else if (p.face_size == 4) {
+        add(row, a, crease + smooth * 0.375);
+        add(row, b, crease + smooth * 0.375);
+        for (const uint32_t c : at) {
+            add(row, quad_vertex(p, c, 2), smooth / 16);
+            add(row, quad_vertex(p, c, 3), smooth / 16);
+        }
+    } else {
+        const uint32_t f0 = p.face_of_corner(at[0]), f1 = p.face_of_corner(at[1]);
+        const double face = edge_face_weight(p.options.triangles, p.size_of_face(f0), p.size_of_face(f1));
+        add(row, a, crease + smooth * (0.5 - face));
+        add(row, b, crease + smooth * (0.5 - face));
+        add_centroid(p, f0, smooth * face, row);
+        add_centroid(p, f1, smooth * face, row);
+    }
+}
+
+void edge_row(const Topology& p, uint32_t e, VertexRule child_rule, bool linear, Row& row) {
+    const double smooth = linear ? 0 : edge_smooth_share(p.options, p.edge_sharpness[e], child_rule);
+    if (smooth != 0 && p.corners_of_edge(e).size() == 2) return add_edge_point(p, e, smooth, row);
+    add(row, p.edge_vertices[2 * e], 0.5);
+    add(row, p.edge_vertices[2 * e + 1], 0.5);
+}
+
+void add_smooth_vertex(const Topology& p, uint32_t v, double share, Row& row) {
+    const auto corners = p.corners_of_vertex(v);
+    const auto valence = static_cast<uint32_t>(corners.size());
+    const VertexMask mask = smooth_vertex_mask(p.options.scheme, valence);
+    if (p.options.scheme == Scheme::loop) {
+        add(row, v, share * mask.vertex);
+        for (const uint32_t c : corners) add(row, p.face_vertices[p.next_corner(c)], share * mask.edge);
+    } else if (p.face_size == 4) {
+        add(row, v, share * (mask.vertex + valence * mask.face / 4));
+        for (const uint32_t c : corners) {
+            add(row, quad_vertex(p, c, 1), share * (mask.edge + mask.face / 2));
+            add(row, quad_vertex(p, c, 2), share * mask.face / 4);
+        }
+    } else {
+        add(row, v, share * mask.vertex);
+        for (const uint32_t e : p.edges_of_vertex(v)) add(row, p.other_vertex(e, v), share * mask.edge);
+        for (const uint32_t c : corners) add_centroid(p, p.face_of_corner(c), share * mask.face, row);
+    }
+}
+
+/// Calls body(edge, end at v) around v; a degenerate edge comes twice.
+template <class Body>
+void for_each_edge(const Topology& p, uint32_t v, const Body& body) {
+    for (const uint32_t e : p.edges_of_vertex(v)) body(e, p.edge_vertices[2 * e] == v ? 0u : 1u);
+}
+
+/// The crease through the first and last sharp edge, as sharpness is in the parent or will be in the child.
+void add_crease_vertex(const Topology& p, uint32_t v, bool in_child, double share, Row& row) {
+    uint32_t first = kInvalidIndex, last = kInvalidIndex;
+    for_each_edge(p, v, [&](uint32_t e, uint32_t end) {
+        if ((in_child ? p.child_sharpness_of_edge(e, end) : p.edge_sharpness[e]) <= 0) return;
+        if (first == kInvalidIndex) first = e;
+        last = e;
+    });
+    add(row, v, share * 0.75);
+    add(row, p.other_vertex(first, v), share * 0.125);
+    add(row, p.other_vertex(last, v), share * 0.125);
+}
+
+void add_vertex_of_rule(const Topology& p, uint32_t v, VertexRule rule, bool in_child, double share, Row& row) {
+    if (share == 0) return;
+    if (rule == VertexRule::corner) add(row, v, share);
+    else if (rule == VertexRule::crease) add_crease_vertex(p, v, in_child, share, row);
+    else add_smooth_vertex(p, v, share, row);
+}
+
+double parent_share(const Topology& p, uint32_t v) {
+    const uint32_t leader = p.leading_vertex(v);
+    std::vector<float> parent, child;
+    for_each_edge(p, leader, [&](uint32_t e, uint32_t end) {
+        parent.push_back(p.edge_sharpness[e]);
+        child.push_back(p.child_sharpness_of_edge(e, end));
+    });
+    const float sharpness = p.vertex_sharpness[leader];
+    return vertex_parent_share(sharpness, child_sharpness(sharpness), parent, child);
+}
+
+void vertex_row(const Topology& p, uint32_t v, VertexRule child_rule, bool linear, Row& row) {
+    if (linear) return add(row, v, 1);
+    VertexRule rule = p.vertex_rules[v];
+    if (rule == VertexRule::dart) rule = VertexRule::smooth;
+    if (rule == VertexRule::smooth || rule == child_rule) return add_vertex_of_rule(p, v, rule, false, 1, row);
+    const double share = parent_share(p, v);
+    add_vertex_of_rule(p, v, rule, false, share, row);
+    add_vertex_of_rule(p, v, child_rule, true, 1 - share, row);
+}
+
+/// Around a vertex whose faces form no single fan: position by rule, tangents along the sides of its first face.
+void non_manifold_limit_row(const Topology& t, uint32_t v, Row& row) {
+    const uint32_t c = t.corners_of_vertex(v)[0];
+    const bool crease = t.vertex_rules[v] == VertexRule::crease && t.options.scheme != Scheme::bilinear;
+    row.push_back({v, crease ? 2.0 / 3 : 1.0, -1, -1});
+    row.push_back({t.face_vertices[t.next_corner(c)], 0, 1, 0});
+    row.push_back({t.face_vertices[t.previous_corner(c)], 0, 0, 1});
+    if (!crease) return;
+    for (const uint32_t e : t.edges_of_vertex(v))
+        if (t.edge_sharpness[e] > 0) row.push_back({t.other_vertex(e, v), 1.0 / 6});
+}
+
+LimitStar limit_star(const Topology& t, uint32_t v) {
+    LimitStar star;
+    const auto edges = t.edges_of_vertex(v);
+    star.rule = t.vertex_rules[v];
+    star.edge_count = static_cast<uint32_t>(edges.size());
+    star.face_count = static_cast<uint32_t>(t.corners_of_vertex(v).size());
+    for (uint32_t i = 0; i < star.edge_count; ++i) {
+        if (t.edge_sharpness[edges[i]] <= 0) continue;
+        if (star.sharp_edge_count < 2) star.sharp_edges[star.sharp_edge_count] = i;
+        ++star.sharp_edge_count;
+        star.infinite_dart = star.rule == VertexRule::dart && is_infinite(t.edge_sharpness[edges[i]]);
+    }
+    return star;
+}
+
+}  // namespace
+
+void refinement_row(const Topology& p, uint32_t child, VertexRule child_rule, Interpolation interpolation, Row& row) {
+    const bool linear = interpolation == Interpolation::varying || p.options.scheme == Scheme::bilinear;
+    const uint32_t first_edge_child = child_of_edge(p, 0);
+    if (child < p.vertex_count) vertex_row(p, child, child_rule, linear, row);
+    else if (child < first_edge_child) add_centroid(p, child - p.vertex_count, 1, row);
+    else edge_row(p, child - first_edge_child, child_rule, linear, row);
+}
+
+void limit_row(const Topology& t, uint32_t v, Row& row) {
+    const auto corners = t.corners_of_vertex(v);
+    const auto edges = t.edges_of_vertex(v);
+    if (corners.empty()) return add(row, v, 1);
+    if (t.vertex_manifold[v] == 0) return non_manifold_limit_row(t, v, row);
+    const LimitStar star = limit_star(t, v);
+    const size_t edge_count = edges.size(), face_count = corners.size();
+    std::vector<double> storage(3 * (edge_count + face_count), 0.0);
+    auto mask_at = [&](size_t i) {
+        double* begin = storage.data() + i * (edge_count + face_count);
+        return LimitMask{0, {begin, edge_count}, {begin + edge_count, face_count}};
+    };
+    LimitMask position = mask_at(0), tangent1 = mask_at(1), tangent2 = mask_at(2);
+    limit_position_mask(t.options, star, position);
+    limit_tangent_masks(t.options, star, tangent1, tangent2);
+    auto append = [&](uint32_t index, double w, double w1, double w2) {
+        if (w != 0 || w1 != 0 || w2 != 0) row.push_back({index, w, w1, w2});
+    };
+    append(v, position.vertex, tangent1.vertex, tangent2.vertex);
+    for (size_t i = 0; i < edge_count; ++i)
+        append(t.other_vertex(edges[i], v), position.edge[i], tangent1.edge[i], tangent2.edge[i]);
+    if (t.face_size != 4) return;
+    for (size_t i = 0; i < face_count; ++i)
+        append(quad_vertex(t, corners[i], 2), position.face[i], tangent1.face[i], tangent2.face[i]);
+}
+
+}  // namespace limn

@@ -1,0 +1,25 @@
+// One row at a time: a child or limit point over the points of its parent level. Not part of the public interface.
+#pragma once
+
+#include <vector>
+
+#include "limn/stencil_table.h"
+#include "limn/topology.h"
+
+namespace limn {
+
+/// An index may occur more than once in a row; its weights then add up. Refinement rows leave tangents at zero.
+struct RowEntry {
+    uint32_t index;
+    double weight, tangent1 = 0, tangent2 = 0;
+};
+using Row = std::vector<RowEntry>;
+
+/// Appends nothing but the row of vertex `child` of the level after `parent`; `child_rule` is its rule there.
+void refinement_row(const Topology& parent, uint32_t child, VertexRule child_rule, Interpolation interpolation,
+                    Row& row);
+
+/// The limit position and tangents of vertex v of a full level whose faces all have the scheme's own size.
+void limit_row(const Topology& level, uint32_t v, Row& row);
+
+}  // namespace limn

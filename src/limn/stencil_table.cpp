@@ -1,0 +1,176 @@
+#include "limn/stencil_table.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "limn/compose.h"
+#include "limn/parallel.h"
+#include "limn/stencil_row.h"
+
+namespace limn {
+namespace {
+
+constexpr uint64_t kMaxEntries = 0xffffffff;
+
+/// Sorts a row by index and adds up repeated ones.
+void normalize(Row& row) {
+    for (size_t i = 1; i < row.size(); ++i) {  // rows are short: insertion keeps equal indices in order
+        const RowEntry entry = row[i];
+        size_t k = i;
+        for (; k > 0 && row[k - 1].index > entry.index; --k) row[k] = row[k - 1];
+        row[k] = entry;
+    }
+    size_t out = 0;
+    for (size_t i = 0; i < row.size(); ++i) {
+        if (out != 0 && row[out - 1].index == row[i].index) {
+            row[out - 1].weight += row[i].weight;
+            continue;
+        }
+        row[out++] = row[i];
+    }
+    row.resize(out);
+}
+
+/// Long rows (poles) are sorted properly before repeated indices are added up.
+void sort_row(Row& row) {
+    if (row.size() > 64)
+        std::stable_sort(row.begin(), row.end(),
+                         [](const RowEntry& a, const RowEntry& b) { return a.index < b.index; });
+    normalize(row);
+}
+
+template <class Body>
+void for_each_row(uint32_t count, const Body& body) {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, count, 2048), [&](const auto& range) {
+        Row row;
+        for (uint32_t r = range.begin(); r != range.end(); ++r) {
+            row.clear();
+            body(r, row);
+        }
+    });
+}
+
+Error too_large(uint64_t entries) {
+    return Error{ErrorCode::too_large,
+                 "a stencil table of " + std::to_string(entries) + " entries, more than 2^32 - 1"};
+}
+
+template <class Real>
+BasicStencilTable<Real> identity_table(const Refinement& refinement) {
+    BasicStencilTable<Real> table;
+    const uint32_t rows = refinement.levels[0].vertex_count;
+    table.source_count = refinement.control_count;
+    table.offsets.allocate(size_t{rows} + 1);
+    table.indices.allocate(rows);
+    table.weights.assign(rows, Real{1});
+    for (uint32_t r = 0; r <= rows; ++r) table.offsets[r] = r;
+    for (uint32_t r = 0; r < rows; ++r)
+        table.indices[r] = refinement.control_indices.empty() ? r : refinement.control_indices[r];
+    return table;
+}
+
+}  // namespace
+
+Result<void> offsets_from_sizes(Array<uint32_t>& sizes) {
+    uint64_t sum = 0;
+    for (uint32_t& size : sizes) {
+        const uint64_t next = sum + size;
+        if (next > kMaxEntries) return too_large(next);
+        size = static_cast<uint32_t>(sum);
+        sum = next;
+    }
+    return {};
+}
+
+template <class Real>
+Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
+                                                 Interpolation interpolation) {
+    if (level == 0 || level >= refinement.level_count())
+        return Error{ErrorCode::invalid_argument, "no refinement step leads to level " + std::to_string(level)};
+    const Topology& parent = refinement.levels[level - 1];
+    const Topology& child = refinement.levels[level];
+    BasicStencilTable<Real> table;
+    table.source_count = parent.vertex_count;
+    table.offsets.allocate(size_t{child.vertex_count} + 1);
+    table.offsets.back() = 0;
+    auto row_of = [&](uint32_t r, Row& row) {
+        refinement_row(parent, r, child.vertex_rules[r], interpolation, row);
+        sort_row(row);
+    };
+    for_each_row(child.vertex_count, [&](uint32_t r, Row& row) {
+        row_of(r, row);
+        table.offsets[r] = static_cast<uint32_t>(row.size());
+    });
+    if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
+    table.indices.allocate(table.offsets.back());
+    table.weights.allocate(table.offsets.back());
+    for_each_row(child.vertex_count, [&](uint32_t r, Row& row) {
+        row_of(r, row);
+        uint32_t at = table.offsets[r];
+        for (const RowEntry& entry : row) {
+            table.indices[at] = entry.index;
+            table.weights[at++] = static_cast<Real>(entry.weight);
+        }
+    });
+    return table;
+}
+
+template <class Real>
+Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
+                                                    Interpolation interpolation) {
+    if (level >= refinement.level_count())
+        return Error{ErrorCode::invalid_argument, "the mesh is not refined to level " + std::to_string(level)};
+    if (level == 0) return identity_table<Real>(refinement);
+    if (level == 1 && refinement.control_indices.empty())
+        return build_step_table<Real>(refinement, level, interpolation);
+    return compose<Real>(refinement, {level, interpolation, Target::refined});
+}
+
+template <class Real>
+Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, bool tangents) {
+    const Topology& last = refinement.last();
+    const uint32_t size = last.options.scheme == Scheme::loop ? 3 : 4;
+    if (last.face_edges.empty())
+        return Error{ErrorCode::unsupported, "limit tables need a refinement built with full_last_level"};
+    if (last.face_size != size && last.options.scheme != Scheme::bilinear)
+        return Error{ErrorCode::unsupported,
+                     "limit tables need faces of " + std::to_string(size) + " vertices: refine at least once"};
+    return compose<Real>(refinement, {refinement.level_count() - 1, Interpolation::vertex,
+                                      tangents ? Target::limit_with_tangents : Target::limit});
+}
+
+Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level) {
+    Array<uint32_t> faces;
+    faces.allocate(refinement.levels[level].face_count);
+    for_each_index(refinement.levels[level].face_count,
+                   [&](uint32_t f) { faces[f] = base_face_of(refinement, level, f); });
+    return faces;
+}
+
+template <class Real>
+void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const Real> source,
+                         std::span<Real> destination, uint32_t width) {
+    assert(source.size() >= size_t{table.source_count} * width);
+    assert(destination.size() >= size_t{table.row_count()} * width);
+    for_each_index(table.row_count(), [&](uint32_t r) {
+        Real* out = destination.data() + size_t{r} * width;
+        std::fill(out, out + width, Real{0});
+        for (uint32_t k = table.offsets[r]; k < table.offsets[r + 1]; ++k) {
+            const Real* in = source.data() + size_t{table.indices[k]} * width;
+            for (uint32_t i = 0; i < width; ++i) out[i] += table.weights[k] * in[i];
+        }
+    });
+}
+
+#define LIMN_INSTANTIATE(Real)                                                                                    \
+    template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation);         \
+    template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t, Interpolation);      \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, bool);                           \
+    template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>, std::span<Real>,      \
+                                      uint32_t);
+LIMN_INSTANTIATE(float)
+LIMN_INSTANTIATE(double)
+#undef LIMN_INSTANTIATE
+
+}  // namespace limn

@@ -1,0 +1,45 @@
+// Pieces that build base topologies: of the mesh and, cut along seams, of its face-varying channels. Not public.
+#pragma once
+
+#include <algorithm>
+
+#include "limn/topology.h"
+
+namespace limn {
+
+/// counts[i] entries for item i -> offsets with a final total.
+inline Array<uint32_t> offsets_from_counts(const Array<uint32_t>& counts) {
+    Array<uint32_t> offsets;
+    offsets.allocate(counts.size() + 1);
+    uint32_t sum = 0;
+    for (size_t i = 0; i < counts.size(); ++i) {
+        offsets[i] = sum;
+        sum += counts[i];
+    }
+    offsets.back() = sum;
+    return offsets;
+}
+
+/// Groups 0 .. count - 1 by key(i) < key_count, ascending within each group.
+template <class Key>
+void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t>& offsets, Array<uint32_t>& members) {
+    Array<uint32_t> cursor;
+    cursor.assign(key_count, 0);
+    for (uint32_t i = 0; i < count; ++i) ++cursor[key(i)];
+    offsets = offsets_from_counts(cursor);
+    std::copy(offsets.begin(), offsets.end() - 1, cursor.begin());
+    members.allocate(count);
+    for (uint32_t i = 0; i < count; ++i) members[cursor[key(i)]++] = i;
+}
+
+/// Edges and stars from face_vertices. `first[c]` is the corner at which corner c's edge appears first; edges are
+/// numbered in that order. Stars come in corner and edge order.
+void build_incidence(Topology& t, const Array<uint32_t>& first);
+
+/// Orders the stars of vertices flagged in vertex_manifold counter-clockwise; clears the flag where that fails.
+void order_stars(Topology& t);
+
+/// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
+void build_half_edge_sharpness(Topology& t);
+
+}  // namespace limn
