@@ -1,5 +1,5 @@
-// An owned array of plain values that, unlike std::vector, leaves new elements uninitialised: tables of hundreds of
-// megabytes are written once, by many threads, and must not be touched before that.
+// An owned array of plain values that, unlike std::vector, leaves new elements uninitialised: tables of
+// hundreds of megabytes are written once, by many threads, and must not be touched before that.
 #pragma once
 
 #include <cassert>
@@ -9,6 +9,9 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace limn {
 
@@ -35,15 +38,15 @@ class Array {
     }
     ~Array() { std::free(data_); }
 
-    /// Replaces the contents by `size` uninitialised elements; aborts when memory is exhausted, as operator new would
-    /// in a build without exceptions.
+    /// Replaces the contents by `size` uninitialised elements; aborts when memory is exhausted, as operator
+    /// new would in a build without exceptions.
     void allocate(size_t size) {
         std::free(data_);
         data_ = nullptr;
         size_ = 0;
         if (size == 0) return;
         if (size > static_cast<size_t>(-1) / sizeof(T)) std::abort();
-        data_ = static_cast<T*>(std::malloc(size * sizeof(T)));
+        data_ = static_cast<T*>(allocate_bytes(size * sizeof(T)));
         if (data_ == nullptr) std::abort();
         size_ = size;
     }
@@ -69,6 +72,21 @@ class Array {
     size_t bytes() const { return size_ * sizeof(T); }
 
   private:
+    /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that building a
+    /// table took went into page faults.
+    static void* allocate_bytes(size_t bytes) {
+#if defined(__linux__)
+        constexpr size_t kHugePage = size_t{2} << 20;
+        if (bytes >= 4 * kHugePage) {
+            const size_t whole = (bytes + kHugePage - 1) / kHugePage * kHugePage;
+            void* data = std::aligned_alloc(kHugePage, whole);
+            if (data != nullptr) madvise(data, whole, MADV_HUGEPAGE);
+            return data;
+        }
+#endif
+        return std::malloc(bytes);
+    }
+
     T* data_ = nullptr;
     size_t size_ = 0;
 };

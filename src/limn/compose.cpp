@@ -1,7 +1,8 @@
-// Rows over the control points are made face by face of the control mesh. All refined vertices over one face depend on
-// the ring of control points around it, so the steps compose in small dense matrices, one column per ring point; faces
-// with equal neighbourhoods (most of a mesh) share the result, and each only writes its own indices. Nothing the size
-// of the table is held beside it. The first pass finds row sizes (supports as bit sets), the second one writes rows.
+// Rows over the control points are made face by face of the control mesh. All refined vertices over one face
+// depend on the ring of control points around it, so the steps compose in small dense matrices, one column
+// per ring point; faces with equal neighbourhoods (most of a mesh) share the result, and each only writes its
+// own indices. Nothing the size of the table is held beside it. The first pass finds row sizes (supports as
+// bit sets), the second one writes rows.
 #include "limn/compose.h"
 
 #include <tbb/parallel_for.h>
@@ -22,21 +23,24 @@ namespace limn {
 namespace {
 
 /// Corners of the refined faces over a face of n corners, as offsets from the first of them: one for every distinct
-/// vertex. `rotated[s]` are the same vertices where the walk starts at corner s.
+/// vertex, those inside the face first. `rotated[s]` are the same vertices where the walk starts at corner s.
 struct Block {
-    uint32_t corner_count = 0;  ///< refined corners over the face
+    size_t inside_count = 0;
     std::vector<std::vector<uint32_t>> rotated;
 };
 
 /// Corner offset q of a block, turned by s corners: digits of its path down the levels, then its slot.
 uint32_t rotate_corner(Scheme scheme, uint32_t n, uint32_t level, uint32_t q, uint32_t s) {
     const uint32_t sides = scheme == Scheme::loop ? 3 : 4;
-    auto turn = [&](uint32_t digit, uint32_t modulus) { return digit < modulus ? (digit + s) % modulus : digit; };
+    auto turn = [&](uint32_t digit, uint32_t modulus) {
+        return digit < modulus ? (digit + s) % modulus : digit;
+    };
     uint32_t block = sides;
     for (uint32_t i = 1; i < level; ++i) block *= 4;
     if (scheme != Scheme::loop && n != 4) return turn(q / block, n) * block + q % block;
     uint32_t out = turn(q % sides, sides), scale = sides;
-    for (uint32_t path = q / sides, i = 0; i < level; ++i, path /= 4, scale *= 4) out += turn(path % 4, sides) * scale;
+    for (uint32_t path = q / sides, i = 0; i < level; ++i, path /= 4, scale *= 4)
+        out += turn(path % 4, sides) * scale;
     return out;
 }
 
@@ -52,18 +56,18 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
     const Result<ControlMesh> mesh = ControlMesh::create(description);
     const Result<Refinement> refinement = build_refinement(*mesh, {level, false});
     const Topology& last = refinement->last();
-    block.corner_count = last.corner_count();
-    std::vector<bool> seen(last.vertex_count);
-    std::vector<uint32_t> corners;
-    for (uint32_t q = 0; q < block.corner_count; ++q) {
-        if (seen[last.face_vertices[q]]) continue;
-        seen[last.face_vertices[q]] = true;
-        corners.push_back(q);
-    }
+    std::vector<uint32_t> first_corner(last.vertex_count, kInvalidIndex);
+    for (uint32_t q = last.corner_count(); q-- > 0;) first_corner[last.face_vertices[q]] = q;
+    std::vector<uint32_t> corners, border;
+    for (uint32_t v = 0; v < last.vertex_count; ++v)
+        (last.vertex_rules[v] == VertexRule::smooth ? corners : border).push_back(first_corner[v]);
+    block.inside_count = corners.size();
+    corners.insert(corners.end(), border.begin(), border.end());
     block.rotated.resize(n);
     for (uint32_t s = 0; s < n; ++s)
         for (const uint32_t q : corners)
-            block.rotated[s].push_back(level == 0 ? (q + s) % n : rotate_corner(options.scheme, n, level, q, s));
+            block.rotated[s].push_back(level == 0 ? (q + s) % n
+                                                  : rotate_corner(options.scheme, n, level, q, s));
     return block;
 }
 
@@ -91,7 +95,8 @@ struct Job {
     }
 };
 
-/// The face that writes the row of vertex v of a level: the first one around the base vertex, edge or face it is on.
+/// The face that writes the row of vertex v of a level: the first one around the base vertex, edge or face it
+/// is on.
 uint32_t owner(const Refinement& refinement, uint32_t level, uint32_t v) {
     while (level > 0) {
         const Topology& parent = refinement.levels[level - 1];
@@ -112,34 +117,34 @@ uint32_t owner(const Refinement& refinement, uint32_t level, uint32_t v) {
 }
 
 /// The refinement over one face, written down: which points of each level are needed, and each one's row over the
-/// needed points of the level before. The last step makes the targets; its rows carry tangents for limit tables.
+/// needed points of the level before (entries hold positions among those). The last step makes the targets; in limit
+/// tables it carries tangents.
 struct Program {
     struct Step {
         std::vector<uint32_t> offsets;
-        std::vector<uint32_t> locals;  ///< positions among the needed points of the level before
-        std::vector<RowEntry> entries;
+        Row entries;
     };
     std::vector<Step> steps;                    ///< in order of execution
+    std::vector<TangentWeights> tangents;       ///< beside the entries of the last step
     std::vector<std::vector<uint32_t>> needed;  ///< vertices per level, 0 .. ; needed[0] is the ring
     std::vector<IndexMap> maps;
-    Row row;
+    std::vector<uint32_t> targets;
 };
 
-void write_step(const std::vector<uint32_t>& points, std::vector<uint32_t>& needed, IndexMap& map, Row& row,
-                Program::Step& step, const auto& row_of) {
+template <class AppendRow>
+void write_step(const std::vector<uint32_t>& points, std::vector<uint32_t>& needed, IndexMap& map,
+                Program::Step& step, const AppendRow& append_row) {
     step.offsets.assign(1, 0);
-    step.locals.clear();
     step.entries.clear();
     for (const uint32_t v : points) {
-        row.clear();
-        row_of(v, row);
-        for (const RowEntry& entry : row) {
-            const uint32_t local = map.find_or_insert(entry.index, static_cast<uint32_t>(needed.size()));
-            if (local == needed.size()) needed.push_back(entry.index);
-            step.locals.push_back(local);
-            step.entries.push_back(entry);
+        const size_t first = step.entries.size();
+        append_row(v, step.entries);
+        for (size_t k = first; k < step.entries.size(); ++k) {
+            const uint32_t index = step.entries[k].index;
+            step.entries[k].index = map.find_or_insert(index, static_cast<uint32_t>(needed.size()));
+            if (step.entries[k].index == needed.size()) needed.push_back(index);
         }
-        step.offsets.push_back(static_cast<uint32_t>(step.locals.size()));
+        step.offsets.push_back(static_cast<uint32_t>(step.entries.size()));
     }
 }
 
@@ -161,21 +166,20 @@ void write_program(const Job& job, const Member& member, Neighborhood& hood, Pro
         program.maps[0].find_or_insert(v, static_cast<uint32_t>(program.needed[0].size()));
         program.needed[0].push_back(v);
     }
-    std::vector<uint32_t> targets;
+    program.targets.clear();
+    program.tangents.clear();
     const uint32_t first = job.first_corner(member.face);
     for (const uint32_t q : job.block(member.face).rotated[member.rotation])
-        targets.push_back(job.level().face_vertices[first + q]);
+        program.targets.push_back(job.level().face_vertices[first + q]);
     for (uint32_t step = step_count; step-- > 0;) {
-        const std::vector<uint32_t>& points = step + 1 == step_count ? targets : program.needed[step + 1];
-        const bool is_limit = limit && step == level;
+        const std::vector<uint32_t>& points = step + 1 == step_count ? program.targets : program.needed[step + 1];
         const Topology& parent = refinement.levels[step];
-        write_step(points, program.needed[step], program.maps[step], program.row, program.steps[step],
-                   [&](uint32_t v, Row& row) {
-                       if (is_limit) limit_row(parent, v, row);
-                       else
-                           refinement_row(parent, v, refinement.levels[step + 1].vertex_rules[v],
-                                          job.options.interpolation, row);
-                   });
+        auto append_row = [&](uint32_t v, Row& row) {
+            if (limit && step == level) limit_row(parent, v, row, program.tangents);
+            else
+                refinement_row(parent, v, refinement.levels[step + 1].vertex_rules[v], job.options.interpolation, row);
+        };
+        write_step(points, program.needed[step], program.maps[step], program.steps[step], append_row);
     }
 }
 
@@ -196,14 +200,17 @@ void run_supports(const Program& program, Supports& s) {
         const size_t rows = step.offsets.size() - 1;
         s.bits.assign(rows * words, 0);
         for (size_t r = 0; r < rows; ++r)
-            for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k)
-                for (size_t w = 0; w < words; ++w) s.bits[r * words + w] |= s.previous[step.locals[k] * words + w];
+            for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k) {
+                const uint64_t* from = s.previous.data() + step.entries[k].index * words;
+                for (size_t w = 0; w < words; ++w) s.bits[r * words + w] |= from[w];
+            }
     }
 }
 
 uint32_t support_size(const Supports& s, size_t row) {
     uint32_t size = 0;
-    for (size_t w = 0; w < s.words; ++w) size += static_cast<uint32_t>(std::popcount(s.bits[row * s.words + w]));
+    for (size_t w = 0; w < s.words; ++w)
+        size += static_cast<uint32_t>(std::popcount(s.bits[row * s.words + w]));
     return size;
 }
 
@@ -214,83 +221,100 @@ struct Weights {
 };
 
 // No fused multiply-add (the build forbids contraction), so wider vectors give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define LIMN_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define LIMN_VECTOR_CLONES
 #endif
 
-LIMN_VECTOR_CLONES void add_scaled(double* out, const double* in, double weight, size_t count) {
-    for (size_t i = 0; i < count; ++i) out[i] += weight * in[i];
-}
-
-void multiply(const Program::Step& step, double RowEntry::*member, const std::vector<double>& in, size_t stride,
-              std::vector<double>& out) {
+/// out row r = sum over its entries of weight * in row; `weights` are `weight_stride` doubles apart.
+LIMN_VECTOR_CLONES void multiply(const Program::Step& step, const double* weights, size_t weight_stride,
+                                 const double* in, size_t stride, double* out) {
     const size_t rows = step.offsets.size() - 1;
-    out.assign(rows * stride, 0.0);
-    for (size_t r = 0; r < rows; ++r)
-        for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k)
-            add_scaled(out.data() + r * stride, in.data() + step.locals[k] * stride, step.entries[k].*member, stride);
+    for (size_t r = 0; r < rows; ++r) {
+        double* sum = out + r * stride;
+        for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k) {
+            const double weight = weights[k * weight_stride];
+            const double* row = in + step.entries[k].index * stride;
+            for (size_t i = 0; i < stride; ++i) sum[i] += weight * row[i];
+        }
+    }
 }
 
-void run_weights(const Program& program, bool tangents, Weights& w) {
+void run_weights(const Program& program, Weights& w) {
     const size_t ring = program.needed[0].size();
-    w.stride = (ring + 7) / 8 * 8;
-    w.rows.assign(ring * w.stride, 0.0);
-    for (size_t i = 0; i < ring; ++i) w.rows[i * w.stride + i] = 1;
-    for (size_t s = 0; s < program.steps.size(); ++s) {
+    const size_t stride = w.stride = (ring + 7) / 8 * 8;
+    w.rows.assign(ring * stride, 0.0);
+    for (size_t i = 0; i < ring; ++i) w.rows[i * stride + i] = 1;
+    for (const Program::Step& step : program.steps) {
         std::swap(w.rows, w.previous);
-        multiply(program.steps[s], &RowEntry::weight, w.previous, w.stride, w.rows);
-        if (!tangents || s + 1 != program.steps.size()) continue;
-        multiply(program.steps[s], &RowEntry::tangent1, w.previous, w.stride, w.tangent1);
-        multiply(program.steps[s], &RowEntry::tangent2, w.previous, w.stride, w.tangent2);
+        const size_t size = (step.offsets.size() - 1) * stride;
+        w.rows.assign(size, 0.0);
+        multiply(step, &step.entries[0].weight, sizeof(RowEntry) / sizeof(double), w.previous.data(), stride,
+                 w.rows.data());
+        if (&step != &program.steps.back() || program.tangents.empty()) continue;
+        w.tangent1.assign(size, 0.0);
+        w.tangent2.assign(size, 0.0);
+        multiply(step, &program.tangents[0].tangent1, 2, w.previous.data(), stride, w.tangent1.data());
+        multiply(step, &program.tangents[0].tangent2, 2, w.previous.data(), stride, w.tangent2.data());
+    }
+}
+
+/// Rows of the targets over ring positions, zeros left out: what all members of a group copy.
+template <class Real>
+struct SharedRows {
+    std::vector<uint32_t> offsets, positions;
+    std::vector<Real> weights, tangent1, tangent2;
+};
+
+template <class Real>
+void share_rows(const Supports& s, const Weights& w, SharedRows<Real>& out) {
+    const size_t rows = w.stride == 0 ? 0 : w.rows.size() / w.stride;
+    out.offsets.assign(1, 0);
+    for (size_t r = 0; r < rows; ++r) {
+        for (uint32_t word = 0; word < s.words; ++word)
+            for (uint64_t bits = s.bits[r * s.words + word]; bits != 0; bits &= bits - 1) {
+                const uint32_t i = word * 64 + static_cast<uint32_t>(std::countr_zero(bits));
+                out.positions.push_back(i);
+                out.weights.push_back(static_cast<Real>(w.rows[r * w.stride + i]));
+                if (w.tangent1.empty()) continue;
+                out.tangent1.push_back(static_cast<Real>(w.tangent1[r * w.stride + i]));
+                out.tangent2.push_back(static_cast<Real>(w.tangent2[r * w.stride + i]));
+            }
+        out.offsets.push_back(static_cast<uint32_t>(out.positions.size()));
     }
 }
 
 /// body(target, vertex) for the targets that face `member` owns.
 template <class Body>
 void for_each_owned(const Job& job, const Member& member, const Body& body) {
-    const std::vector<uint32_t>& corners = job.block(member.face).rotated[member.rotation];
-    const uint32_t first = job.first_corner(member.face);
+    const Block& block = job.block(member.face);
+    const std::vector<uint32_t>& corners = block.rotated[member.rotation];
+    const uint32_t* vertices = job.level().face_vertices.data() + job.first_corner(member.face);
     for (size_t i = 0; i < corners.size(); ++i) {
-        const uint32_t v = job.level().face_vertices[first + corners[i]];
-        if (owner(job.refinement, job.options.level, v) == member.face) body(i, v);
+        const uint32_t v = vertices[corners[i]];
+        if (i < block.inside_count || owner(job.refinement, job.options.level, v) == member.face) body(i, v);
     }
 }
 
-/// Ring positions in ascending order of the control points that they are for this member.
-struct SortedRing {
-    std::vector<std::pair<uint32_t, uint32_t>> points;  ///< (control point, ring position)
-};
-
-void sort_ring(const Job& job, const Neighborhood& hood, SortedRing& sorted) {
-    const Array<uint32_t>& map = job.refinement.control_indices;
-    sorted.points.clear();
-    for (uint32_t i = 0; i < hood.ring.size(); ++i)
-        sorted.points.emplace_back(map.empty() ? hood.ring[i] : map[hood.ring[i]], i);
-    std::sort(sorted.points.begin(), sorted.points.end());
-}
-
 template <class Real>
-void write_rows(const Job& job, const Member& member, const Supports& supports, const Weights& w,
-                BasicStencilTable<Real>& table, Neighborhood& hood, SortedRing& sorted) {
+void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows, BasicStencilTable<Real>& table,
+                Neighborhood& hood) {
     read_neighborhood(job.base(), member.face, hood);
-    sort_ring(job, hood, sorted);
+    const Array<uint32_t>& map = job.refinement.control_indices;
+    if (!map.empty())
+        for (uint32_t& point : hood.ring) point = map[point];
     const bool tangents = !table.tangent1_weights.empty();
     for_each_owned(job, member, [&](size_t target, uint32_t v) {
-        const uint64_t* bits = supports.bits.data() + target * supports.words;
-        const double* weights = w.rows.data() + target * w.stride;
-        uint32_t at = table.offsets[v];
-        for (const auto& [point, i] : sorted.points) {
-            if ((bits[i / 64] >> (i % 64) & 1) == 0) continue;
-            table.indices[at] = point;
-            table.weights[at] = static_cast<Real>(weights[i]);
-            if (tangents) {
-                table.tangent1_weights[at] = static_cast<Real>(w.tangent1[target * w.stride + i]);
-                table.tangent2_weights[at] = static_cast<Real>(w.tangent2[target * w.stride + i]);
-            }
-            ++at;
+        const uint32_t first = rows.offsets[target], count = rows.offsets[target + 1] - first;
+        const size_t at = table.offsets[v];
+        for (uint32_t k = 0; k < count; ++k) {
+            table.indices[at + k] = hood.ring[rows.positions[first + k]];
+            table.weights[at + k] = rows.weights[first + k];
         }
+        if (!tangents) return;
+        std::copy_n(rows.tangent1.data() + first, count, table.tangent1_weights.data() + at);
+        std::copy_n(rows.tangent2.data() + first, count, table.tangent2_weights.data() + at);
     });
 }
 
@@ -323,7 +347,8 @@ Groups group_faces(const Topology& base) {
 template <class Body>
 void for_each_group(const Groups& groups, const Body& body) {
     tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        body(std::span<const Member>(groups.members.data() + groups.first[g], groups.first[g + 1] - groups.first[g]));
+        body(std::span<const Member>(groups.members.data() + groups.first[g],
+                                     groups.first[g + 1] - groups.first[g]));
     });
 }
 
@@ -346,8 +371,10 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes) {
         Supports supports;
         write_program(job, members[0], hood, program);
         run_supports(program, supports);
+        std::vector<uint32_t> row_sizes;
+        for (size_t i = 0; i < program.targets.size(); ++i) row_sizes.push_back(support_size(supports, i));
         for_each_member(members, [&](const Member& member) {
-            for_each_owned(job, member, [&](size_t target, uint32_t v) { sizes[v] = support_size(supports, target); });
+            for_each_owned(job, member, [&](size_t target, uint32_t v) { sizes[v] = row_sizes[target]; });
         });
     });
 }
@@ -359,13 +386,14 @@ void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& 
         Program program;
         Supports supports;
         Weights weights;
+        SharedRows<Real> rows;
         write_program(job, members[0], hood, program);
         run_supports(program, supports);
-        run_weights(program, !table.tangent1_weights.empty(), weights);
+        run_weights(program, weights);
+        share_rows(supports, weights, rows);
         for_each_member(members, [&](const Member& member) {
             Neighborhood member_hood;
-            SortedRing sorted;
-            write_rows(job, member, supports, weights, table, member_hood, sorted);
+            write_rows(job, member, rows, table, member_hood);
         });
     });
 }

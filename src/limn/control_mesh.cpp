@@ -13,17 +13,21 @@ Error fail(ErrorCode code, std::string message, uint64_t element = kNoElement) {
     return Error{code, std::move(message), element, 0};
 }
 
-std::string text(uint64_t n) { return std::to_string(n); }
+std::string text(uint64_t n) {
+    return std::to_string(n);
+}
 
 Result<void> check_faces(const ControlMeshDescription& d) {
     if (d.vertex_count > kMaxCount) return fail(ErrorCode::too_large, "more than 2^31 - 1 vertices");
-    if (d.face_sizes.empty()) return fail(ErrorCode::invalid_argument, "a control mesh needs at least one face");
+    if (d.face_sizes.empty())
+        return fail(ErrorCode::invalid_argument, "a control mesh needs at least one face");
     if (d.face_sizes.size() > kMaxCount) return fail(ErrorCode::too_large, "more than 2^31 - 1 faces");
     uint64_t corner = 0;
     for (size_t f = 0; f < d.face_sizes.size(); ++f) {
         const uint32_t size = d.face_sizes[f];
         if (size < 3)
-            return fail(ErrorCode::face_too_small, "face " + text(f) + " has " + text(size) + " vertices, needs 3", f);
+            return fail(ErrorCode::face_too_small,
+                        "face " + text(f) + " has " + text(size) + " vertices, needs 3", f);
         if (d.options.scheme == Scheme::loop && size != 3)
             return fail(ErrorCode::not_a_triangle,
                         "face " + text(f) + " has " + text(size) + " vertices; Loop takes triangles only", f);
@@ -66,7 +70,8 @@ uint64_t edge_key(uint32_t a, uint32_t b) {
 }
 
 /// Flattens crease chains to vertex pairs. `owner` receives the chain of each pair, for messages.
-Result<void> collect_creases(const ControlMeshDescription& d, ControlMesh& mesh, std::vector<uint32_t>& owner) {
+Result<void> collect_creases(const ControlMeshDescription& d, ControlMesh& mesh,
+                             std::vector<uint32_t>& owner) {
     const size_t chains = d.crease_sizes.empty() ? d.crease_vertices.size() / 2 : d.crease_sizes.size();
     uint64_t total = 0;
     for (size_t i = 0; i < chains; ++i) total += d.crease_sizes.empty() ? 2 : d.crease_sizes[i];
@@ -75,13 +80,15 @@ Result<void> collect_creases(const ControlMeshDescription& d, ControlMesh& mesh,
     size_t first = 0;
     for (size_t i = 0; i < chains; ++i) {
         const size_t size = d.crease_sizes.empty() ? 2 : d.crease_sizes[i];
-        if (size < 2) return fail(ErrorCode::invalid_argument, "crease " + text(i) + " has fewer than 2 vertices", i);
+        if (size < 2)
+            return fail(ErrorCode::invalid_argument, "crease " + text(i) + " has fewer than 2 vertices", i);
         if (auto ok = check_sharpness(d.crease_sharpness[i], "crease", i); !ok) return ok;
         for (size_t k = 0; k < size; ++k) {
             const uint32_t v = d.crease_vertices[first + k];
             if (v >= d.vertex_count)
-                return fail(ErrorCode::index_out_of_range,
-                            "crease " + text(i) + " refers to vertex " + text(v) + " of " + text(d.vertex_count), i);
+                return fail(
+                    ErrorCode::index_out_of_range,
+                    "crease " + text(i) + " refers to vertex " + text(v) + " of " + text(d.vertex_count), i);
             if (k == 0) continue;
             mesh.crease_edges.push_back(d.crease_vertices[first + k - 1]);
             mesh.crease_edges.push_back(v);
@@ -113,9 +120,10 @@ Result<void> check_crease_edges(const ControlMesh& mesh, const std::vector<uint3
     for (size_t i = 0; !missing.empty() && i < mesh.crease_sharpness.size(); ++i) {
         const uint32_t a = mesh.crease_edges[2 * i], b = mesh.crease_edges[2 * i + 1];
         if (missing.count(edge_key(a, b)) == 0) continue;
-        return fail(ErrorCode::missing_edge,
-                    "crease " + text(owner[i]) + ": no face has an edge from vertex " + text(a) + " to " + text(b),
-                    owner[i]);
+        return fail(
+            ErrorCode::missing_edge,
+            "crease " + text(owner[i]) + ": no face has an edge from vertex " + text(a) + " to " + text(b),
+            owner[i]);
     }
     return {};
 }
@@ -140,9 +148,10 @@ Result<void> collect_channels(const ControlMeshDescription& d, ControlMesh& mesh
     for (size_t k = 0; k < d.channels.size(); ++k) {
         const FaceVaryingDescription& channel = d.channels[k];
         if (channel.face_values.size() != d.face_vertices.size())
-            return fail(ErrorCode::invalid_argument, "face-varying channel " + text(k) + " has " +
-                                                         text(channel.face_values.size()) + " values for " +
-                                                         text(d.face_vertices.size()) + " face corners", k);
+            return fail(ErrorCode::invalid_argument,
+                        "face-varying channel " + text(k) + " has " + text(channel.face_values.size()) +
+                            " values for " + text(d.face_vertices.size()) + " face corners",
+                        k);
         if (channel.value_count > kMaxCount)
             return fail(ErrorCode::too_large, "more than 2^31 - 1 face-varying values", k);
         for (const uint32_t value : channel.face_values) {
@@ -152,7 +161,8 @@ Result<void> collect_channels(const ControlMeshDescription& d, ControlMesh& mesh
                             text(channel.value_count),
                         k);
         }
-        mesh.channels.push_back({channel.value_count, {channel.face_values.begin(), channel.face_values.end()},
+        mesh.channels.push_back({channel.value_count,
+                                 {channel.face_values.begin(), channel.face_values.end()},
                                  channel.interpolation});
     }
     return {};
@@ -184,9 +194,10 @@ Result<ControlMesh> ControlMesh::create(const ControlMeshDescription& d) {
     if (auto ok = collect_corners(d, mesh); !ok) return ok.error();
     for (size_t i = 0; i < d.holes.size(); ++i)
         if (d.holes[i] >= mesh.face_count())
-            return fail(ErrorCode::index_out_of_range,
-                        "hole " + text(i) + " refers to face " + text(d.holes[i]) + " of " + text(mesh.face_count()),
-                        i);
+            return fail(
+                ErrorCode::index_out_of_range,
+                "hole " + text(i) + " refers to face " + text(d.holes[i]) + " of " + text(mesh.face_count()),
+                i);
     mesh.holes.assign(d.holes.begin(), d.holes.end());
     if (auto ok = collect_channels(d, mesh); !ok) return ok.error();
     if (d.left_handed) {

@@ -1,5 +1,5 @@
-// Face-varying channels as topologies of their own, cut along their seams. The six interpolations are those of
-// OpenSubdiv 3.6: they only decide which cut vertices are corners.
+// Face-varying channels as topologies of their own, cut along their seams. The six interpolations are those
+// of OpenSubdiv 3.6: they only decide which cut vertices are corners.
 #include <algorithm>
 #include <vector>
 
@@ -9,7 +9,8 @@
 namespace limn {
 namespace {
 
-/// Numbers the distinct (vertex, value) pairs and rewrites faces to them. Returns pair ranges per base vertex.
+/// Numbers the distinct (vertex, value) pairs and rewrites faces to them. Returns pair ranges per base
+/// vertex.
 Array<uint32_t> number_pairs(const ControlMesh::Channel& channel, const Topology& base, Topology& t,
                              Array<uint32_t>& control_values) {
     Array<uint32_t> first_pair;
@@ -52,10 +53,12 @@ struct Rules {
     explicit Rules(const ControlMesh& mesh, FaceVaryingInterpolation i)
         : linear_boundaries(i == FaceVaryingInterpolation::boundaries || i == FaceVaryingInterpolation::all),
           sharp_corners(i != FaceVaryingInterpolation::none),
-          sharp_junctions(i == FaceVaryingInterpolation::corners_plus1 || i == FaceVaryingInterpolation::corners_plus2),
+          sharp_junctions(i == FaceVaryingInterpolation::corners_plus1 ||
+                          i == FaceVaryingInterpolation::corners_plus2),
           sharp_both(i == FaceVaryingInterpolation::corners_plus2),
           sharp_darts(sharp_both || linear_boundaries),
-          sharpens_mesh_corners(sharp_corners && mesh.options.boundary != BoundaryInterpolation::edge_and_corner) {}
+          sharpens_mesh_corners(sharp_corners &&
+                                mesh.options.boundary != BoundaryInterpolation::edge_and_corner) {}
     bool linear_boundaries;      ///< every vertex of a boundary or seam is a corner
     bool sharp_corners;          ///< a value of a single face is a corner
     bool sharp_junctions;        ///< vertices of three or more values are; of two, one follows the other
@@ -95,13 +98,14 @@ uint32_t sharpen_pairs(const Rules& rules, const CutVertex& c) {
     const Topology& base = c.base;
     const auto edges = base.edges_of_vertex(c.v);
     const bool cut = std::any_of(edges.begin(), edges.end(), [&](uint32_t e) { return c.cut[e] != 0; });
-    const bool boundary =
-        std::any_of(edges.begin(), edges.end(), [&](uint32_t e) { return base.corners_of_edge(e).size() < 2; });
+    const bool boundary = std::any_of(edges.begin(), edges.end(),
+                                      [&](uint32_t e) { return base.corners_of_edge(e).size() < 2; });
     const bool mesh_corner = base.corners_of_vertex(c.v).size() == 1 && rules.sharpens_mesh_corners;
     if (!cut && !(boundary && (rules.linear_boundaries || mesh_corner))) return kInvalidIndex;
 
-    if (rules.linear_boundaries || is_infinite(base.vertex_sharpness[c.v]) || base.vertex_manifold[c.v] == 0 ||
-        (rules.sharp_junctions && c.count > 2) || (rules.sharp_darts && c.count == 1 && !boundary)) {
+    if (rules.linear_boundaries || is_infinite(base.vertex_sharpness[c.v]) ||
+        base.vertex_manifold[c.v] == 0 || (rules.sharp_junctions && c.count > 2) ||
+        (rules.sharp_darts && c.count == 1 && !boundary)) {
         c.make_corners();
         return kInvalidIndex;
     }
@@ -131,7 +135,8 @@ void assign_rules(Topology& t) {
         t.vertex_rules[t.dependent_vertices[i]] = t.vertex_rules[t.dependent_vertices[i + 1]];
 }
 
-/// Linear everywhere: bilinear rules where faces split to quads; all control edges sharp where they split to triangles.
+/// Linear everywhere: bilinear rules where faces split to quads; all control edges sharp where they split to
+/// triangles.
 void make_linear(Topology& t) {
     if (t.options.scheme != Scheme::loop) t.options.scheme = Scheme::bilinear;
     std::fill(t.edge_sharpness.begin(), t.edge_sharpness.end(), kInfiniteSharpness);

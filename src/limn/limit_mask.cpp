@@ -1,6 +1,6 @@
-// Limit masks: left eigenvectors of the subdivision matrix around a vertex, for eigenvalue 1 (position) and for the
-// subdominant ones (tangents). The crease and dart masks are those of the rules that limn refines with, which are not
-// the ones that OpenSubdiv evaluates (options.opensubdiv_compatible gives its masks).
+// Limit masks: left eigenvectors of the subdivision matrix around a vertex, for eigenvalue 1 (position) and
+// for the subdominant ones (tangents). The crease and dart masks are those of the rules that limn refines
+// with, which are not the ones that OpenSubdiv evaluates (options.opensubdiv_compatible gives its masks).
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,10 +20,14 @@ void clear(LimitMask& mask) {
 }
 
 /// Subdominant eigenvalue of Catmull-Clark for frequency cosine c.
-double catmull_clark_lambda(double c) { return (5 + c + std::sqrt((c + 9) * (c + 1))) / 16; }
+double catmull_clark_lambda(double c) {
+    return (5 + c + std::sqrt((c + 9) * (c + 1))) / 16;
+}
 
 /// Weight of the face vertices between two edge neighbours whose weights are sin or cos of successive angles.
-double catmull_clark_face_factor(double lambda) { return 1 / (16 * lambda - 4); }
+double catmull_clark_face_factor(double lambda) {
+    return 1 / (16 * lambda - 4);
+}
 
 void smooth_position(Scheme scheme, uint32_t n, LimitMask& mask) {
     const double valence = n;
@@ -39,8 +43,9 @@ void smooth_position(Scheme scheme, uint32_t n, LimitMask& mask) {
     if (face != 0) std::fill(mask.face.begin(), mask.face.end(), face);
 }
 
-/// An infinitely sharp edge ends at the vertex: that edge's point is its midpoint, all else is smooth. The left
-/// eigenvector satisfies a constant-coefficient recurrence over the smooth edges with zero ends, hence the powers of r.
+/// An infinitely sharp edge ends at the vertex: that edge's point is its midpoint, all else is smooth. The
+/// left eigenvector satisfies a constant-coefficient recurrence over the smooth edges with zero ends, hence
+/// the powers of r.
 void infinite_dart_position(Scheme scheme, uint32_t n, uint32_t sharp, LimitMask& mask) {
     const bool quads = scheme == Scheme::catmull_clark;
     const double valence = n, nn = valence * valence;
@@ -84,7 +89,8 @@ void smooth_tangent(Scheme scheme, uint32_t n, double phase, LimitMask& mask) {
     }
 }
 
-/// One application of the transposed subdivision matrix around an infinitely sharp dart whose sharp edge is edge 0.
+/// One application of the transposed subdivision matrix around an infinitely sharp dart whose sharp edge is
+/// edge 0.
 struct RingWeights {
     double vertex;
     std::vector<double> edge, face;
@@ -119,8 +125,9 @@ RingWeights apply_dart_transposed(Scheme scheme, const RingWeights& l) {
     return out;
 }
 
-/// Tangent towards the sharp edge of an infinitely sharp dart: the leading even left eigenvector after the constant
-/// one. Power iteration; vectors that sum to zero are orthogonal to the constant right eigenvector and stay so.
+/// Tangent towards the sharp edge of an infinitely sharp dart: the leading even left eigenvector after the
+/// constant one. Power iteration; vectors that sum to zero are orthogonal to the constant right eigenvector
+/// and stay so.
 void infinite_dart_tangent(Scheme scheme, uint32_t n, uint32_t sharp, LimitMask& mask) {
     RingWeights l{0, std::vector<double>(n), std::vector<double>(n, 0.0)};
     for (uint32_t i = 0; i < n; ++i) l.edge[i] = std::cos(2 * pi * i / n);
@@ -137,7 +144,8 @@ void infinite_dart_tangent(Scheme scheme, uint32_t n, uint32_t sharp, LimitMask&
         for (uint32_t i = 0; i < n; ++i) {
             next.edge[i] /= largest;
             next.face[i] /= largest;
-            change = std::max({change, std::abs(next.edge[i] - l.edge[i]), std::abs(next.face[i] - l.face[i])});
+            change =
+                std::max({change, std::abs(next.edge[i] - l.edge[i]), std::abs(next.face[i] - l.face[i])});
         }
         l = std::move(next);
         if (change < 1e-14) break;
@@ -149,7 +157,8 @@ void infinite_dart_tangent(Scheme scheme, uint32_t n, uint32_t sharp, LimitMask&
     }
 }
 
-/// Across a boundary or crease with k faces between its edges, from edge `first`: eigenvectors of the rules above.
+/// Across a boundary or crease with k faces between its edges, from edge `first`: eigenvectors of the rules
+/// above.
 void cross_tangent(Scheme scheme, uint32_t first, uint32_t k, LimitMask& mask) {
     const bool quads = scheme == Scheme::catmull_clark;
     const auto edges = static_cast<uint32_t>(mask.edge.size());
@@ -236,8 +245,10 @@ void limit_tangent_masks(const SchemeOptions& options, const LimitStar& star, Li
         tangent1.edge[star.sharp_edges[1]] -= 0.5;
         const uint32_t first = star.sharp_edges[0], k = star.sharp_edges[1] - first;
         if (k > n) return;
-        if (compatible) opensubdiv_cross_tangent(options.scheme, first, k, tangent2);
-        else cross_tangent(options.scheme, first, k, tangent2);
+        if (compatible)
+            opensubdiv_cross_tangent(options.scheme, first, k, tangent2);
+        else
+            cross_tangent(options.scheme, first, k, tangent2);
     } else if (star.infinite_dart && !compatible) {
         infinite_dart_tangent(options.scheme, n, star.sharp_edges[0], tangent1);
         smooth_tangent(options.scheme, n, star.sharp_edges[0] + 0.25 * n, tangent2);
@@ -251,8 +262,8 @@ void limit_tangent_masks(const SchemeOptions& options, const LimitStar& star, Li
         }
     } else {
         smooth_tangent(options.scheme, n, 0, tangent1);
-        smooth_tangent(options.scheme, n, compatible && options.scheme == Scheme::catmull_clark ? 1 : 0.25 * n,
-                       tangent2);
+        smooth_tangent(options.scheme, n,
+                       compatible && options.scheme == Scheme::catmull_clark ? 1 : 0.25 * n, tangent2);
     }
 }
 

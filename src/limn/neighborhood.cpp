@@ -42,7 +42,9 @@ void IndexMap::grow() {
 
 namespace {
 
-uint32_t bits(float x) { return std::bit_cast<uint32_t>(x); }
+uint32_t bits(float x) {
+    return std::bit_cast<uint32_t>(x);
+}
 
 /// A cheap value per corner, so that walks of alike faces start alike: the corner where it is largest.
 uint32_t choose_rotation(const Topology& t, uint32_t f) {
@@ -54,8 +56,9 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
         const auto edges = t.edges_of_vertex(v);
         uint64_t sharp = 0;
         for (const uint32_t at : edges) sharp += t.edge_sharpness[at] > 0;
-        const uint64_t key = uint64_t{bits(t.vertex_sharpness[v])} * 7 + bits(t.edge_sharpness[e]) + (sharp << 32) +
-                             (uint64_t{edges.size()} << 40) + (uint64_t{t.corners_of_vertex(v).size()} << 52);
+        const uint64_t key = uint64_t{bits(t.vertex_sharpness[v])} * 7 + bits(t.edge_sharpness[e]) +
+                             (sharp << 32) + (uint64_t{edges.size()} << 40) +
+                             (uint64_t{t.corners_of_vertex(v).size()} << 52);
         if (i != 0 && key <= best_key) continue;
         best = i;
         best_key = key;
@@ -63,12 +66,14 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
     return best;
 }
 
-/// The star of the face's vertex at `corner`: counter-clockwise from that corner where it is closed, else as listed.
+/// The star of the face's vertex at `corner`: counter-clockwise from that corner where it is closed, else as
+/// listed.
 void read_star(const Topology& t, uint32_t corner, Neighborhood& out) {
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
-    const auto own = static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    const auto own =
+        static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
     const bool closed = t.vertex_manifold[v] != 0 && corners.size() == edges.size();
     const uint32_t shift = closed ? own : 0;
     auto put = [&](uint32_t x) { out.signature.push_back(x); };

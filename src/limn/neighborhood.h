@@ -1,5 +1,6 @@
-// What the refined surface over one face depends on: the faces around it, in a canonical order. Faces with equal
-// neighbourhoods have equal stencils up to the control points that they refer to. Not part of the public interface.
+// What the refined surface over one face depends on: the faces around it, in a canonical order. Faces with
+// equal neighbourhoods have equal stencils up to the control points that they refer to. Not part of the
+// public interface.
 #pragma once
 
 #include <array>
@@ -23,9 +24,9 @@ class IndexMap {
     uint32_t stamp_ = 0, count_ = 0;
 };
 
-/// The vertices of all faces that touch a face, numbered in order of a walk that starts at its corner `rotation`: first
-/// the face's own, then, corner by corner, those of the faces around. Filled by read_neighborhood, reused to save
-/// allocations.
+/// The vertices of all faces that touch a face, numbered in order of a walk that starts at its corner
+/// `rotation`: first the face's own, then, corner by corner, those of the faces around. Filled by
+/// read_neighborhood, reused to save allocations.
 struct Neighborhood {
     uint32_t rotation = 0;
     std::vector<uint32_t> ring;       ///< base vertices in walk order
@@ -39,8 +40,8 @@ struct Neighborhood {
     }
 };
 
-/// Walks around face f of a base level. Two faces of one mesh whose signatures are equal have equal stencils, ring
-/// position by ring position, at every level.
+/// Walks around face f of a base level. Two faces of one mesh whose signatures are equal have equal stencils,
+/// ring position by ring position, at every level.
 void read_neighborhood(const Topology& base, uint32_t f, Neighborhood& out);
 
 /// 128 bits of the signature.

@@ -1,5 +1,5 @@
-// One step parent -> child for both splits. Everything about a child follows from its parent by index arithmetic, so
-// each array is filled in one parallel pass over parent faces, edges or vertices.
+// One step parent -> child for both splits. Everything about a child follows from its parent by index
+// arithmetic, so each array is filled in one parallel pass over parent faces, edges or vertices.
 #include "limn/refinement.h"
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace {
 
 constexpr uint64_t kMaxCorners = 0x7fffffff;
 
-/// Children are numbered: vertices [of vertices | of faces (quads only) | of edges], edges [within faces | 2 e + end of
-/// edge e], faces in corner order (a triangle's centre child comes last).
+/// Children are numbered: vertices [of vertices | of faces (quads only) | of edges], edges [within faces | 2
+/// e + end of edge e], faces in corner order (a triangle's centre child comes last).
 struct Split {
     const Topology& parent;
     Topology& child;
@@ -142,7 +142,8 @@ void split_triangle_faces(const Split& s, bool full) {
     });
 }
 
-/// The ring around an edge's child vertex, counter-clockwise: from the half edge at the end of its first corner.
+/// The ring around an edge's child vertex, counter-clockwise: from the half edge at the end of its first
+/// corner.
 void star_of_edge_vertex(const Split& s, uint32_t e, uint32_t* corners, uint32_t* edges) {
     const Topology& p = s.parent;
     const auto at = p.corners_of_edge(e);
@@ -182,8 +183,10 @@ void split_edge_topology(const Split& s, uint32_t e) {
             const uint32_t c = at[i];
             const bool at_start = s.end_at_start(c) == end;
             uint32_t corner = 0;
-            if (s.triangles()) corner = Split::triangle_corner(c / 3, at_start ? c % 3 : (c + 1) % 3, c % 3);
-            else corner = at_start ? s.quad_corner(c, 0) : s.quad_corner(p.next_corner(c), 3);
+            if (s.triangles())
+                corner = Split::triangle_corner(c / 3, at_start ? c % 3 : (c + 1) % 3, c % 3);
+            else
+                corner = at_start ? s.quad_corner(c, 0) : s.quad_corner(p.next_corner(c), 3);
             t.edge_corners[t.edge_corner_offsets[half] + i] = corner;
         }
     }
@@ -229,7 +232,8 @@ void split_vertices(const Split& s, bool full) {
     for_each_index(p.vertex_count, [&](uint32_t v) {
         const float sharpness = child_sharpness(p.vertex_sharpness[v]);
         uint32_t sharp = 0;
-        for_each_edge_end(p, v, [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
+        for_each_edge_end(p, v,
+                          [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
         t.vertex_rules[v] = vertex_rule(sharpness, sharp);
         if (!full) return;
         t.vertex_sharpness[v] = sharpness;
@@ -241,7 +245,8 @@ void split_vertices(const Split& s, bool full) {
             t.vertex_corners[at++] =
                 s.triangles() ? Split::triangle_corner(c / 3, c % 3, c % 3) : s.quad_corner(c, 0);
         at = p.vertex_edge_offsets[v];
-        for_each_edge_end(p, v, [&](uint32_t e, uint32_t end) { t.vertex_edges[at++] = s.half_edge(e, end); });
+        for_each_edge_end(p, v,
+                          [&](uint32_t e, uint32_t end) { t.vertex_edges[at++] = s.half_edge(e, end); });
     });
     for (size_t i = 0; i < p.dependent_vertices.size(); i += 2)
         t.vertex_rules[p.dependent_vertices[i]] = t.vertex_rules[p.dependent_vertices[i + 1]];
@@ -252,8 +257,10 @@ Topology refine(const Topology& parent, bool full) {
     Topology child;
     const Split split{parent, child};
     allocate_common(split, full);
-    if (split.triangles()) split_triangle_faces(split, full);
-    else split_quad_faces(split, full);
+    if (split.triangles())
+        split_triangle_faces(split, full);
+    else
+        split_quad_faces(split, full);
     split_edges(split, full);
     split_vertices(split, full);
     if (full) build_half_edge_sharpness(child);
@@ -274,15 +281,15 @@ void copy_half_edge_sharpness(const Topology& mesh, Topology& channel) {
 /// `mesh` is the uncut topology beside a face-varying base, or null.
 Result<Refinement> refine_levels(Topology base, const Topology* mesh, const RefinementOptions& options) {
     if (options.level > kMaxRefinementLevel)
-        return Error{ErrorCode::invalid_argument,
-                     "refinement level " + std::to_string(options.level) + " is above " +
-                         std::to_string(kMaxRefinementLevel)};
+        return Error{ErrorCode::invalid_argument, "refinement level " + std::to_string(options.level) +
+                                                      " is above " + std::to_string(kMaxRefinementLevel)};
     // Every level has four times the corners of the one before.
     uint64_t corners = base.corner_count();
     for (uint32_t level = 1; level <= options.level; ++level)
         if (corners *= 4; corners > kMaxCorners)
             return Error{ErrorCode::too_large, "level " + std::to_string(level) + " of this mesh has " +
-                                                   std::to_string(corners) + " face corners, more than 2^31 - 1"};
+                                                   std::to_string(corners) +
+                                                   " face corners, more than 2^31 - 1"};
     Refinement refinement;
     refinement.levels.reserve(options.level + 1);
     refinement.levels.push_back(std::move(base));
@@ -293,7 +300,8 @@ Result<Refinement> refine_levels(Topology base, const Topology* mesh, const Refi
             copy_half_edge_sharpness(level == 1 ? *mesh : uncut, refinement.levels.back());
             uncut = refine(level == 1 ? *mesh : uncut, true);
         }
-        refinement.levels.push_back(refine(refinement.last(), level < options.level || options.full_last_level));
+        refinement.levels.push_back(
+            refine(refinement.last(), level < options.level || options.full_last_level));
     }
     return refinement;
 }
@@ -309,8 +317,10 @@ Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOpt
 Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32_t channel,
                                                  const RefinementOptions& options) {
     if (channel >= mesh.channels.size())
-        return Error{ErrorCode::index_out_of_range, "face-varying channel " + std::to_string(channel) + " of " +
-                                                        std::to_string(mesh.channels.size()), channel};
+        return Error{
+            ErrorCode::index_out_of_range,
+            "face-varying channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
+            channel};
     Array<uint32_t> values;
     const Topology uncut = build_topology(mesh);
     Topology base = build_face_varying_topology(mesh, uncut, channel, values);

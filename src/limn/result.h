@@ -31,8 +31,8 @@ enum class ErrorCode : uint8_t {
 
 inline constexpr uint64_t kNoElement = ~uint64_t{0};
 
-/// `element` is the index of the offending element (face, vertex, crease, line ...; the message names the kind)
-/// or kNoElement. `vk_result` is a VkResult, 0 unless the error came from Vulkan.
+/// `element` is the index of the offending element (face, vertex, crease, line ...; the message names the
+/// kind) or kNoElement. `vk_result` is a VkResult, 0 unless the error came from Vulkan.
 struct Error {
     ErrorCode code = ErrorCode::invalid_argument;
     std::string message;

@@ -1,8 +1,9 @@
-// The subdivision rules: every mask that limn uses, as pure functions of a neighbourhood. Nothing else knows a weight.
+// The subdivision rules: every mask that limn uses, as pure functions of a neighbourhood. Nothing else knows
+// a weight.
 //
-// Catmull and Clark 1978; Loop 1987; DeRose, Kass and Truong 1998 (semi-sharp features, Chaikin creasing); limit masks
-// from the left eigenvectors of these rules (Halstead, Kass and DeRose 1993 for the smooth ones). Options are those of
-// OpenSubdiv 3.6 and mean the same.
+// Catmull and Clark 1978; Loop 1987; DeRose, Kass and Truong 1998 (semi-sharp features, Chaikin creasing);
+// limit masks from the left eigenvectors of these rules (Halstead, Kass and DeRose 1993 for the smooth ones).
+// Options are those of OpenSubdiv 3.6 and mean the same.
 #pragma once
 
 #include <cstdint>
@@ -40,13 +41,16 @@ struct SchemeOptions {
     CreasingMethod creasing = CreasingMethod::uniform;
     TriangleSubdivision triangles = TriangleSubdivision::catmark;
     /// Give OpenSubdiv's results where it departs from the limit of its own rules: Chaikin edge blends that
-    /// extrapolate, smooth limits at infinitely sharp darts, cross tangents at irregular boundaries and creases.
+    /// extrapolate, smooth limits at infinitely sharp darts, cross tangents at irregular boundaries and
+    /// creases.
     bool opensubdiv_compatible = false;
 };
 
 /// Sharpness of edges and vertices is 0 (smooth) to 10 (infinite).
 inline constexpr float kInfiniteSharpness = 10.0f;
-inline bool is_infinite(float sharpness) { return sharpness >= kInfiniteSharpness; }
+inline bool is_infinite(float sharpness) {
+    return sharpness >= kInfiniteSharpness;
+}
 
 /// How a vertex is treated, from its own sharpness and the number of sharp edges that meet there.
 enum class VertexRule : uint8_t { smooth, dart, crease, corner };
@@ -64,33 +68,34 @@ inline float child_sharpness(float sharpness) {
     return sharpness > 1.0f ? sharpness - 1.0f : 0.0f;
 }
 
-/// Sharpness of the child of an edge next to the vertex whose edges have sharpness `around` (that edge included).
-/// Chaikin: 3/4 of its own and 1/4 of the mean of the other semi-sharp edges there, less one.
+/// Sharpness of the child of an edge next to the vertex whose edges have sharpness `around` (that edge
+/// included). Chaikin: 3/4 of its own and 1/4 of the mean of the other semi-sharp edges there, less one.
 float child_edge_sharpness(CreasingMethod creasing, float sharpness, std::span<const float> around);
 
-/// Edge point: `smooth` is the share of the smooth mask, the rest is the midpoint. `child_rule` is the rule of the
-/// child vertex; both child edges are sharp when it is a crease.
+/// Edge point: `smooth` is the share of the smooth mask, the rest is the midpoint. `child_rule` is the rule
+/// of the child vertex; both child edges are sharp when it is a crease.
 double edge_smooth_share(const SchemeOptions& options, float sharpness, VertexRule child_rule);
 
-/// Vertex point in transition between two rules: the share of the parent's rule, the mean of the sharpness values that
-/// vanish in this step. `parent` and `child` are the sharpness of the edges around, in the same order.
+/// Vertex point in transition between two rules: the share of the parent's rule, the mean of the sharpness
+/// values that vanish in this step. `parent` and `child` are the sharpness of the edges around, in the same
+/// order.
 double vertex_parent_share(float parent_vertex, float child_vertex, std::span<const float> parent,
                            std::span<const float> child);
 
-/// Weight of each of the faces beside a smooth Catmull-Clark edge (their centroids), face sizes n0 and n1; each end
-/// point then weighs 1/2 - this.
+/// Weight of each of the faces beside a smooth Catmull-Clark edge (their centroids), face sizes n0 and n1;
+/// each end point then weighs 1/2 - this.
 double edge_face_weight(TriangleSubdivision triangles, uint32_t n0, uint32_t n1);
 
-/// Smooth vertex point of valence n. Catmull-Clark: over the vertex, its edge neighbours and the centroids of its
-/// faces; Loop: over the vertex and its neighbours (face == 0).
+/// Smooth vertex point of valence n. Catmull-Clark: over the vertex, its edge neighbours and the centroids of
+/// its faces; Loop: over the vertex and its neighbours (face == 0).
 struct VertexMask {
     double vertex, edge, face;
 };
 VertexMask smooth_vertex_mask(Scheme scheme, uint32_t valence);
 
 /// Limit position and tangents at a vertex whose ring is quads (Catmull-Clark) or triangles (Loop).
-/// Ring weights: edge[i] for the neighbour along edge i, face[i] for the vertex opposite in quad i, which lies between
-/// edges i and i + 1 (Catmull-Clark only). Boundary vertices have one edge more than faces.
+/// Ring weights: edge[i] for the neighbour along edge i, face[i] for the vertex opposite in quad i, which
+/// lies between edges i and i + 1 (Catmull-Clark only). Boundary vertices have one edge more than faces.
 struct LimitMask {
     double vertex = 0;
     std::span<double> edge;  ///< the caller's storage, one per edge

@@ -88,11 +88,15 @@ void add_crease_vertex(const Topology& p, uint32_t v, bool in_child, double shar
     add(row, p.other_vertex(last, v), share * 0.125);
 }
 
-void add_vertex_of_rule(const Topology& p, uint32_t v, VertexRule rule, bool in_child, double share, Row& row) {
+void add_vertex_of_rule(const Topology& p, uint32_t v, VertexRule rule, bool in_child, double share,
+                        Row& row) {
     if (share == 0) return;
-    if (rule == VertexRule::corner) add(row, v, share);
-    else if (rule == VertexRule::crease) add_crease_vertex(p, v, in_child, share, row);
-    else add_smooth_vertex(p, v, share, row);
+    if (rule == VertexRule::corner)
+        add(row, v, share);
+    else if (rule == VertexRule::crease)
+        add_crease_vertex(p, v, in_child, share, row);
+    else
+        add_smooth_vertex(p, v, share, row);
 }
 
 double parent_share(const Topology& p, uint32_t v) {
@@ -110,22 +114,27 @@ void vertex_row(const Topology& p, uint32_t v, VertexRule child_rule, bool linea
     if (linear) return add(row, v, 1);
     VertexRule rule = p.vertex_rules[v];
     if (rule == VertexRule::dart) rule = VertexRule::smooth;
-    if (rule == VertexRule::smooth || rule == child_rule) return add_vertex_of_rule(p, v, rule, false, 1, row);
+    if (rule == VertexRule::smooth || rule == child_rule)
+        return add_vertex_of_rule(p, v, rule, false, 1, row);
     const double share = parent_share(p, v);
     add_vertex_of_rule(p, v, rule, false, share, row);
     add_vertex_of_rule(p, v, child_rule, true, 1 - share, row);
 }
 
 /// Around a vertex whose faces form no single fan: position by rule, tangents along the sides of its first face.
-void non_manifold_limit_row(const Topology& t, uint32_t v, Row& row) {
+void non_manifold_limit_row(const Topology& t, uint32_t v, Row& row, std::vector<TangentWeights>& tangents) {
+    auto append = [&](uint32_t index, double weight, double tangent1, double tangent2) {
+        row.push_back({index, weight});
+        tangents.push_back({tangent1, tangent2});
+    };
     const uint32_t c = t.corners_of_vertex(v)[0];
     const bool crease = t.vertex_rules[v] == VertexRule::crease && t.options.scheme != Scheme::bilinear;
-    row.push_back({v, crease ? 2.0 / 3 : 1.0, -1, -1});
-    row.push_back({t.face_vertices[t.next_corner(c)], 0, 1, 0});
-    row.push_back({t.face_vertices[t.previous_corner(c)], 0, 0, 1});
+    append(v, crease ? 2.0 / 3 : 1.0, -1, -1);
+    append(t.face_vertices[t.next_corner(c)], 0, 1, 0);
+    append(t.face_vertices[t.previous_corner(c)], 0, 0, 1);
     if (!crease) return;
     for (const uint32_t e : t.edges_of_vertex(v))
-        if (t.edge_sharpness[e] > 0) row.push_back({t.other_vertex(e, v), 1.0 / 6});
+        if (t.edge_sharpness[e] > 0) append(t.other_vertex(e, v), 1.0 / 6, 0, 0);
 }
 
 LimitStar limit_star(const Topology& t, uint32_t v) {
@@ -145,19 +154,28 @@ LimitStar limit_star(const Topology& t, uint32_t v) {
 
 }  // namespace
 
-void refinement_row(const Topology& p, uint32_t child, VertexRule child_rule, Interpolation interpolation, Row& row) {
+void refinement_row(const Topology& p, uint32_t child, VertexRule child_rule, Interpolation interpolation,
+                    Row& row) {
     const bool linear = interpolation == Interpolation::varying || p.options.scheme == Scheme::bilinear;
     const uint32_t first_edge_child = child_of_edge(p, 0);
-    if (child < p.vertex_count) vertex_row(p, child, child_rule, linear, row);
-    else if (child < first_edge_child) add_centroid(p, child - p.vertex_count, 1, row);
-    else edge_row(p, child - first_edge_child, child_rule, linear, row);
+    if (child < p.vertex_count)
+        vertex_row(p, child, child_rule, linear, row);
+    else if (child < first_edge_child)
+        add_centroid(p, child - p.vertex_count, 1, row);
+    else
+        edge_row(p, child - first_edge_child, child_rule, linear, row);
 }
 
-void limit_row(const Topology& t, uint32_t v, Row& row) {
+void limit_row(const Topology& t, uint32_t v, Row& row, std::vector<TangentWeights>& tangents) {
+    auto append = [&](uint32_t index, double weight, double tangent1, double tangent2) {
+        if (weight == 0 && tangent1 == 0 && tangent2 == 0) return;
+        row.push_back({index, weight});
+        tangents.push_back({tangent1, tangent2});
+    };
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
-    if (corners.empty()) return add(row, v, 1);
-    if (t.vertex_manifold[v] == 0) return non_manifold_limit_row(t, v, row);
+    if (corners.empty()) return append(v, 1, 0, 0);
+    if (t.vertex_manifold[v] == 0) return non_manifold_limit_row(t, v, row, tangents);
     const LimitStar star = limit_star(t, v);
     const size_t edge_count = edges.size(), face_count = corners.size();
     std::vector<double> storage(3 * (edge_count + face_count), 0.0);
@@ -168,9 +186,6 @@ void limit_row(const Topology& t, uint32_t v, Row& row) {
     LimitMask position = mask_at(0), tangent1 = mask_at(1), tangent2 = mask_at(2);
     limit_position_mask(t.options, star, position);
     limit_tangent_masks(t.options, star, tangent1, tangent2);
-    auto append = [&](uint32_t index, double w, double w1, double w2) {
-        if (w != 0 || w1 != 0 || w2 != 0) row.push_back({index, w, w1, w2});
-    };
     append(v, position.vertex, tangent1.vertex, tangent2.vertex);
     for (size_t i = 0; i < edge_count; ++i)
         append(t.other_vertex(edges[i], v), position.edge[i], tangent1.edge[i], tangent2.edge[i]);

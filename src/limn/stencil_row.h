@@ -1,4 +1,5 @@
-// One row at a time: a child or limit point over the points of its parent level. Not part of the public interface.
+// One row at a time: a child or limit point over the points of its parent level. Not part of the public
+// interface.
 #pragma once
 
 #include <vector>
@@ -8,18 +9,25 @@
 
 namespace limn {
 
-/// An index may occur more than once in a row; its weights then add up. Refinement rows leave tangents at zero.
+/// An index may occur more than once in a row; its weights then add up. Around alike vertices rows list their entries
+/// in the same order.
 struct RowEntry {
     uint32_t index;
-    double weight, tangent1 = 0, tangent2 = 0;
+    double weight;
 };
 using Row = std::vector<RowEntry>;
 
-/// Appends nothing but the row of vertex `child` of the level after `parent`; `child_rule` is its rule there.
+/// Tangent weights beside the entries of a limit row.
+struct TangentWeights {
+    double tangent1, tangent2;
+};
+
+/// Appends the row of vertex `child` of the level after `parent`; `child_rule` is its rule there.
 void refinement_row(const Topology& parent, uint32_t child, VertexRule child_rule, Interpolation interpolation,
                     Row& row);
 
-/// The limit position and tangents of vertex v of a full level whose faces all have the scheme's own size.
-void limit_row(const Topology& level, uint32_t v, Row& row);
+/// Appends the limit position and, one for each entry, the tangents of vertex v of a full level whose faces all have
+/// the scheme's own size.
+void limit_row(const Topology& level, uint32_t v, Row& row, std::vector<TangentWeights>& tangents);
 
 }  // namespace limn

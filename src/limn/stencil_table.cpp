@@ -13,31 +13,20 @@ namespace {
 
 constexpr uint64_t kMaxEntries = 0xffffffff;
 
-/// Sorts a row by index and adds up repeated ones.
-void normalize(Row& row) {
-    for (size_t i = 1; i < row.size(); ++i) {  // rows are short: insertion keeps equal indices in order
-        const RowEntry entry = row[i];
-        size_t k = i;
-        for (; k > 0 && row[k - 1].index > entry.index; --k) row[k] = row[k - 1];
-        row[k] = entry;
-    }
-    size_t out = 0;
-    for (size_t i = 0; i < row.size(); ++i) {
-        if (out != 0 && row[out - 1].index == row[i].index) {
-            row[out - 1].weight += row[i].weight;
-            continue;
-        }
-        row[out++] = row[i];
-    }
-    row.resize(out);
-}
-
-/// Long rows (poles) are sorted properly before repeated indices are added up.
-void sort_row(Row& row) {
-    if (row.size() > 64)
+/// Adds up repeated indices, keeping the order of first appearance.
+void merge_repeated(Row& row) {
+    constexpr size_t kLong = 64;  // poles: sort rather than compare all pairs
+    if (row.size() > kLong)
         std::stable_sort(row.begin(), row.end(),
                          [](const RowEntry& a, const RowEntry& b) { return a.index < b.index; });
-    normalize(row);
+    size_t out = 0;
+    for (const RowEntry& entry : row) {
+        size_t k = row.size() > kLong && out > 0 ? out - 1 : 0;
+        while (k < out && row[k].index != entry.index) ++k;
+        if (k < out) row[k].weight += entry.weight;
+        else row[out++] = entry;
+    }
+    row.resize(out);
 }
 
 template <class Body>
@@ -87,7 +76,8 @@ template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
                                                  Interpolation interpolation) {
     if (level == 0 || level >= refinement.level_count())
-        return Error{ErrorCode::invalid_argument, "no refinement step leads to level " + std::to_string(level)};
+        return Error{ErrorCode::invalid_argument,
+                     "no refinement step leads to level " + std::to_string(level)};
     const Topology& parent = refinement.levels[level - 1];
     const Topology& child = refinement.levels[level];
     BasicStencilTable<Real> table;
@@ -96,7 +86,7 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
     table.offsets.back() = 0;
     auto row_of = [&](uint32_t r, Row& row) {
         refinement_row(parent, r, child.vertex_rules[r], interpolation, row);
-        sort_row(row);
+        merge_repeated(row);
     };
     for_each_row(child.vertex_count, [&](uint32_t r, Row& row) {
         row_of(r, row);
@@ -120,7 +110,8 @@ template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
                                                     Interpolation interpolation) {
     if (level >= refinement.level_count())
-        return Error{ErrorCode::invalid_argument, "the mesh is not refined to level " + std::to_string(level)};
+        return Error{ErrorCode::invalid_argument,
+                     "the mesh is not refined to level " + std::to_string(level)};
     if (level == 0) return identity_table<Real>(refinement);
     if (level == 1 && refinement.control_indices.empty())
         return build_step_table<Real>(refinement, level, interpolation);
@@ -134,8 +125,8 @@ Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, 
     if (last.face_edges.empty())
         return Error{ErrorCode::unsupported, "limit tables need a refinement built with full_last_level"};
     if (last.face_size != size && last.options.scheme != Scheme::bilinear)
-        return Error{ErrorCode::unsupported,
-                     "limit tables need faces of " + std::to_string(size) + " vertices: refine at least once"};
+        return Error{ErrorCode::unsupported, "limit tables need faces of " + std::to_string(size) +
+                                                 " vertices: refine at least once"};
     return compose<Real>(refinement, {refinement.level_count() - 1, Interpolation::vertex,
                                       tangents ? Target::limit_with_tangents : Target::limit});
 }
@@ -163,12 +154,13 @@ void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const R
     });
 }
 
-#define LIMN_INSTANTIATE(Real)                                                                                    \
-    template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation);         \
-    template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t, Interpolation);      \
-    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, bool);                           \
-    template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>, std::span<Real>,      \
-                                      uint32_t);
+#define LIMN_INSTANTIATE(Real)                                                                             \
+    template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation); \
+    template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t,              \
+                                                                 Interpolation);                           \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, bool);                   \
+    template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>,               \
+                                      std::span<Real>, uint32_t);
 LIMN_INSTANTIATE(float)
 LIMN_INSTANTIATE(double)
 #undef LIMN_INSTANTIATE

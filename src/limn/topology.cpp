@@ -27,13 +27,15 @@ void copy_faces(const ControlMesh& mesh, Topology& t) {
     std::copy(mesh.face_offsets.begin(), mesh.face_offsets.end(), t.face_offsets.begin());
     t.corner_faces.allocate(corners);
     for_each_index(t.face_count, [&](uint32_t f) {
-        std::fill(t.corner_faces.begin() + t.face_offsets[f], t.corner_faces.begin() + t.face_offsets[f + 1], f);
+        std::fill(t.corner_faces.begin() + t.face_offsets[f], t.corner_faces.begin() + t.face_offsets[f + 1],
+                  f);
     });
 }
 
-/// For each corner, the corner at which its edge appears first; edges[c] == c where an edge is new. Corners of one
-/// vertex pair join the pair's first edge, unless that edge's latest face is their own: then they start another one.
-/// `non_manifold` marks first corners of edges that join more than two faces, faces of opposite winding, or nothing.
+/// For each corner, the corner at which its edge appears first; edges[c] == c where an edge is new. Corners
+/// of one vertex pair join the pair's first edge, unless that edge's latest face is their own: then they
+/// start another one. `non_manifold` marks first corners of edges that join more than two faces, faces of
+/// opposite winding, or nothing.
 void find_first_corners(const Topology& t, Array<uint32_t>& first, Array<uint8_t>& non_manifold) {
     const uint32_t corners = t.corner_count();
     auto low = [&](uint32_t c) { return std::min(t.face_vertices[c], t.face_vertices[t.next_corner(c)]); };
@@ -73,8 +75,8 @@ void find_first_corners(const Topology& t, Array<uint32_t>& first, Array<uint8_t
     });
 }
 
-/// Walks counter-clockwise around v and reorders its corners and edges. False, leaving them as they are, when its faces
-/// do not form one fan.
+/// Walks counter-clockwise around v and reorders its corners and edges. False, leaving them as they are, when
+/// its faces do not form one fan.
 bool order_star(Topology& t, uint32_t v, std::vector<uint32_t>& corners, std::vector<uint32_t>& edges) {
     const auto old_corners = t.corners_of_vertex(v);
     const auto old_edges = t.edges_of_vertex(v);
@@ -117,7 +119,9 @@ uint32_t find_edge(const Topology& t, uint32_t a, uint32_t b) {
     return kInvalidIndex;
 }
 
-float clamp_sharpness(float sharpness) { return std::min(sharpness, kInfiniteSharpness); }
+float clamp_sharpness(float sharpness) {
+    return std::min(sharpness, kInfiniteSharpness);
+}
 
 /// With no boundary interpolation, faces that touch a boundary edge which is not infinitely sharp are holes.
 void hide_boundary_faces(Topology& t) {
@@ -164,7 +168,8 @@ void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>
     if (t.options.boundary == BoundaryInterpolation::none && t.options.scheme != Scheme::bilinear)
         hide_boundary_faces(t);
     for_each_index(t.edge_count, [&](uint32_t e) {
-        if (t.corners_of_edge(e).size() < 2 || non_manifold_edges[e] != 0) t.edge_sharpness[e] = kInfiniteSharpness;
+        if (t.corners_of_edge(e).size() < 2 || non_manifold_edges[e] != 0)
+            t.edge_sharpness[e] = kInfiniteSharpness;
     });
     for_each_index(t.vertex_count, [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
 }
@@ -184,11 +189,14 @@ void build_incidence(Topology& t, const Array<uint32_t>& first) {
         t.edge_vertices[2 * e] = t.face_vertices[c];
         t.edge_vertices[2 * e + 1] = t.face_vertices[t.next_corner(c)];
     });
-    group_by(corners, edges, [&](uint32_t c) { return t.face_edges[c]; }, t.edge_corner_offsets, t.edge_corners);
-    group_by(corners, t.vertex_count, [&](uint32_t c) { return t.face_vertices[c]; }, t.vertex_corner_offsets,
-             t.vertex_corners);
-    group_by(2 * edges, t.vertex_count, [&](uint32_t i) { return t.edge_vertices[i]; }, t.vertex_edge_offsets,
-             t.vertex_edges);
+    group_by(
+        corners, edges, [&](uint32_t c) { return t.face_edges[c]; }, t.edge_corner_offsets, t.edge_corners);
+    group_by(
+        corners, t.vertex_count, [&](uint32_t c) { return t.face_vertices[c]; }, t.vertex_corner_offsets,
+        t.vertex_corners);
+    group_by(
+        2 * edges, t.vertex_count, [&](uint32_t i) { return t.edge_vertices[i]; }, t.vertex_edge_offsets,
+        t.vertex_edges);
     for_each_index(2 * edges, [&](uint32_t i) { t.vertex_edges[i] /= 2; });
 }
 
@@ -209,7 +217,8 @@ void build_half_edge_sharpness(Topology& t) {
             const float sharpness = t.edge_sharpness[i / 2];
             around.clear();
             if (sharpness > 0)
-                for (const uint32_t e : t.edges_of_vertex(t.edge_vertices[i])) around.push_back(t.edge_sharpness[e]);
+                for (const uint32_t e : t.edges_of_vertex(t.edge_vertices[i]))
+                    around.push_back(t.edge_sharpness[e]);
             t.half_edge_sharpness[i] = child_edge_sharpness(t.options.creasing, sharpness, around);
         }
     });

@@ -11,10 +11,11 @@ namespace limn {
 
 inline constexpr uint32_t kInvalidIndex = ~uint32_t{0};
 
-/// A corner is one vertex of one face: corner c of face f is entry face_begin(f) + c. Edge c of a face joins its
-/// corners c and c + 1. Where the faces around a vertex form one fan, its corners and edges are listed
-/// counter-clockwise: corner i lies between edges i and i + 1, and a boundary vertex has one edge more than corners.
-/// Base edges are numbered in order of first appearance, corner by corner. All this is OpenSubdiv's numbering, too.
+/// A corner is one vertex of one face: corner c of face f is entry face_begin(f) + c. Edge c of a face joins
+/// its corners c and c + 1. Where the faces around a vertex form one fan, its corners and edges are listed
+/// counter-clockwise: corner i lies between edges i and i + 1, and a boundary vertex has one edge more than
+/// corners. Base edges are numbered in order of first appearance, corner by corner. All this is OpenSubdiv's
+/// numbering, too.
 struct Topology {
     SchemeOptions options;
     uint32_t vertex_count = 0;
@@ -22,10 +23,11 @@ struct Topology {
     uint32_t face_count = 0;
     uint32_t face_size = 0;  ///< 3 or 4 when all faces have that many corners, else 0
 
-    Array<uint32_t> face_offsets;           ///< face_count + 1; empty when face_size != 0
-    Array<uint32_t> corner_faces;           ///< corner_count(); empty when face_size != 0
-    Array<uint32_t> face_vertices;          ///< corner_count()
-    // What follows, down to vertex_rules, is empty in the last level of a Refinement built without full_last_level.
+    Array<uint32_t> face_offsets;   ///< face_count + 1; empty when face_size != 0
+    Array<uint32_t> corner_faces;   ///< corner_count(); empty when face_size != 0
+    Array<uint32_t> face_vertices;  ///< corner_count()
+    // What follows, down to vertex_rules, is empty in the last level of a Refinement built without
+    // full_last_level.
     Array<uint32_t> face_edges;             ///< corner_count()
     Array<uint32_t> edge_vertices;          ///< 2 * edge_count
     Array<uint32_t> edge_corner_offsets;    ///< edge_count + 1
@@ -35,14 +37,16 @@ struct Topology {
     Array<uint32_t> vertex_edge_offsets;    ///< vertex_count + 1
     Array<uint32_t> vertex_edges;           ///< 2 * edge_count
     Array<float> edge_sharpness;            ///< edge_count; boundary and non-manifold edges are infinite
-    Array<float> half_edge_sharpness;       ///< Chaikin creasing: 2 * edge_count, see child_edge_sharpness; else empty
-    Array<float> vertex_sharpness;          ///< vertex_count
-    Array<uint8_t> vertex_manifold;         ///< vertex_count; 1 where the faces form one fan
-    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending. Mostly empty.
+    Array<float>
+        half_edge_sharpness;  ///< Chaikin creasing: 2 * edge_count, see child_edge_sharpness; else empty
+    Array<float> vertex_sharpness;   ///< vertex_count
+    Array<uint8_t> vertex_manifold;  ///< vertex_count; 1 where the faces form one fan
+    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending.
+    /// Mostly empty.
     Array<uint32_t> dependent_vertices;
     // Kept in every level.
-    Array<VertexRule> vertex_rules;         ///< vertex_count
-    Array<uint8_t> face_holes;              ///< face_count; 1 where the face is not part of the surface
+    Array<VertexRule> vertex_rules;  ///< vertex_count
+    Array<uint8_t> face_holes;       ///< face_count; 1 where the face is not part of the surface
 
     uint32_t corner_count() const { return static_cast<uint32_t>(face_vertices.size()); }
     uint32_t face_begin(uint32_t f) const { return face_size != 0 ? f * face_size : face_offsets[f]; }
@@ -65,28 +69,35 @@ struct Topology {
         return {face_edges.data() + face_begin(f), size_of_face(f)};
     }
     std::span<const uint32_t> corners_of_edge(uint32_t e) const {
-        return {edge_corners.data() + edge_corner_offsets[e], edge_corner_offsets[e + 1] - edge_corner_offsets[e]};
+        return {edge_corners.data() + edge_corner_offsets[e],
+                edge_corner_offsets[e + 1] - edge_corner_offsets[e]};
     }
     std::span<const uint32_t> corners_of_vertex(uint32_t v) const {
         return {vertex_corners.data() + vertex_corner_offsets[v],
                 vertex_corner_offsets[v + 1] - vertex_corner_offsets[v]};
     }
     std::span<const uint32_t> edges_of_vertex(uint32_t v) const {
-        return {vertex_edges.data() + vertex_edge_offsets[v], vertex_edge_offsets[v + 1] - vertex_edge_offsets[v]};
+        return {vertex_edges.data() + vertex_edge_offsets[v],
+                vertex_edge_offsets[v + 1] - vertex_edge_offsets[v]};
     }
     /// Sharpness that the child of edge e has next to the edge's vertex `end` (0 or 1).
     float child_sharpness_of_edge(uint32_t e, uint32_t end) const {
-        return half_edge_sharpness.empty() ? child_sharpness(edge_sharpness[e]) : half_edge_sharpness[2 * e + end];
+        return half_edge_sharpness.empty() ? child_sharpness(edge_sharpness[e])
+                                           : half_edge_sharpness[2 * e + end];
     }
     /// Which end of the edge that begins at corner c (in c's face) that corner is.
-    uint32_t end_at_corner(uint32_t c) const { return edge_vertices[2 * face_edges[c]] == face_vertices[c] ? 0 : 1; }
+    uint32_t end_at_corner(uint32_t c) const {
+        return edge_vertices[2 * face_edges[c]] == face_vertices[c] ? 0 : 1;
+    }
     /// The vertex whose sharpness decides the rule of v: v itself, unless it is a dependent vertex.
     uint32_t leading_vertex(uint32_t v) const {
         size_t low = 0, high = dependent_vertices.size() / 2;
         while (low < high) {
             const size_t middle = (low + high) / 2;
-            if (dependent_vertices[2 * middle] < v) low = middle + 1;
-            else high = middle;
+            if (dependent_vertices[2 * middle] < v)
+                low = middle + 1;
+            else
+                high = middle;
         }
         const bool found = 2 * low < dependent_vertices.size() && dependent_vertices[2 * low] == v;
         return found ? dependent_vertices[2 * low + 1] : v;
@@ -100,8 +111,8 @@ struct Topology {
 Topology build_topology(const ControlMesh& mesh);
 
 /// The topology of one of its face-varying channels, cut along its seams. Its vertices are the distinct
-/// (vertex, value) pairs, ordered by vertex; `control_values[i]` receives the value index of pair i. Rules follow the
-/// channel's interpolation. Faces, their order and sizes are those of `base`.
+/// (vertex, value) pairs, ordered by vertex; `control_values[i]` receives the value index of pair i. Rules
+/// follow the channel's interpolation. Faces, their order and sizes are those of `base`.
 Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& base, uint32_t channel,
                                      Array<uint32_t>& control_values);
 

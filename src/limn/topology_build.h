@@ -1,4 +1,5 @@
-// Pieces that build base topologies: of the mesh and, cut along seams, of its face-varying channels. Not public.
+// Pieces that build base topologies: of the mesh and, cut along seams, of its face-varying channels. Not
+// public.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,8 @@ inline Array<uint32_t> offsets_from_counts(const Array<uint32_t>& counts) {
 
 /// Groups 0 .. count - 1 by key(i) < key_count, ascending within each group.
 template <class Key>
-void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t>& offsets, Array<uint32_t>& members) {
+void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t>& offsets,
+              Array<uint32_t>& members) {
     Array<uint32_t> cursor;
     cursor.assign(key_count, 0);
     for (uint32_t i = 0; i < count; ++i) ++cursor[key(i)];
@@ -32,11 +34,12 @@ void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t
     for (uint32_t i = 0; i < count; ++i) members[cursor[key(i)]++] = i;
 }
 
-/// Edges and stars from face_vertices. `first[c]` is the corner at which corner c's edge appears first; edges are
-/// numbered in that order. Stars come in corner and edge order.
+/// Edges and stars from face_vertices. `first[c]` is the corner at which corner c's edge appears first; edges
+/// are numbered in that order. Stars come in corner and edge order.
 void build_incidence(Topology& t, const Array<uint32_t>& first);
 
-/// Orders the stars of vertices flagged in vertex_manifold counter-clockwise; clears the flag where that fails.
+/// Orders the stars of vertices flagged in vertex_manifold counter-clockwise; clears the flag where that
+/// fails.
 void order_stars(Topology& t);
 
 /// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
