@@ -1,13 +1,12 @@
-// Rows over the control points are made face by face of the control mesh. All refined vertices over one face
-// depend on the ring of control points around it, so the steps compose in small dense matrices, one column
-// per ring point; faces with equal neighbourhoods (most of a mesh) share the result, and each only writes its
-// own indices. Nothing the size of the table is held beside it. The first pass finds row sizes (supports as
-// bit sets), the second one writes rows.
+// Rows over the control points are made face by face of the control mesh. All refined vertices over one face depend on
+// the ring of control points around it, so its neighbourhood is refined on its own and the steps compose in small dense
+// matrices, one column per ring point. Faces with equal neighbourhoods (most of a mesh) share the result, and each only
+// writes its own indices. The whole mesh is never refined and nothing the size of the table is held beside it. The
+// first pass finds row sizes (supports as bit sets), the second one writes rows.
 #include "limn/compose.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,7 @@
 #include <map>
 #include <vector>
 
+#include "limn/local_refinement.h"
 #include "limn/neighborhood.h"
 #include "limn/parallel.h"
 #include "limn/stencil_row.h"
@@ -22,10 +22,14 @@
 namespace limn {
 namespace {
 
-/// Corners of the refined faces over a face of n corners, as offsets from the first of them: one for every distinct
-/// vertex, those inside the face first. `rotated[s]` are the same vertices where the walk starts at corner s.
+/// Where on a face a refined vertex lies. Border vertices belong to the first face around the control vertex or edge.
+enum class Place : uint8_t { inside, edge, vertex };
+
+/// The refined vertices over a face of n corners, each by a corner of the refined faces, counted from the first over
+/// the face. `rotated[s]` are the same vertices where the walk starts at corner s.
 struct Block {
-    size_t inside_count = 0;
+    std::vector<Place> places;
+    std::vector<uint32_t> sides;  ///< the face's edge or corner that a border vertex lies on
     std::vector<std::vector<uint32_t>> rotated;
 };
 
@@ -44,30 +48,48 @@ uint32_t rotate_corner(Scheme scheme, uint32_t n, uint32_t level, uint32_t q, ui
     return out;
 }
 
+/// For each vertex of a refined polygon the side of the polygon that it lies on, or kInvalidIndex.
+std::vector<uint32_t> sides_of_vertices(const Refinement& polygon) {
+    const Topology& base = polygon.levels[0];
+    std::vector<uint32_t> edges(base.edge_count), vertices(base.vertex_count, kInvalidIndex);
+    for (uint32_t e = 0; e < base.edge_count; ++e) edges[e] = e;
+    for (uint32_t l = 0; l + 1 < polygon.level_count(); ++l) {
+        const Topology& t = polygon.levels[l];
+        std::vector<uint32_t> child_edges(t.corner_count() + size_t{2} * t.edge_count, kInvalidIndex);
+        vertices.resize(polygon.levels[l + 1].vertex_count, kInvalidIndex);
+        for (uint32_t e = 0; e < t.edge_count; ++e) {
+            vertices[child_of_edge(t, e)] = edges[e];
+            child_edges[t.corner_count() + 2 * e] = child_edges[t.corner_count() + 2 * e + 1] = edges[e];
+        }
+        edges = std::move(child_edges);
+    }
+    return vertices;
+}
+
 Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
-    Block block;
+    std::vector<uint32_t> polygon(n);
+    for (uint32_t i = 0; i < n; ++i) polygon[i] = i;
     ControlMeshDescription description;
-    std::vector<uint32_t> vertices(n);
-    for (uint32_t i = 0; i < n; ++i) vertices[i] = i;
     description.options = options;
     description.vertex_count = n;
     description.face_sizes = {&n, 1};
-    description.face_vertices = vertices;
+    description.face_vertices = polygon;
     const Result<ControlMesh> mesh = ControlMesh::create(description);
     const Result<Refinement> refinement = build_refinement(*mesh, {level, false});
     const Topology& last = refinement->last();
-    std::vector<uint32_t> first_corner(last.vertex_count, kInvalidIndex);
-    for (uint32_t q = last.corner_count(); q-- > 0;) first_corner[last.face_vertices[q]] = q;
-    std::vector<uint32_t> corners, border;
-    for (uint32_t v = 0; v < last.vertex_count; ++v)
-        (last.vertex_rules[v] == VertexRule::smooth ? corners : border).push_back(first_corner[v]);
-    block.inside_count = corners.size();
-    corners.insert(corners.end(), border.begin(), border.end());
+    const std::vector<uint32_t> sides = sides_of_vertices(*refinement);
+    Block block;
     block.rotated.resize(n);
-    for (uint32_t s = 0; s < n; ++s)
-        for (const uint32_t q : corners)
-            block.rotated[s].push_back(level == 0 ? (q + s) % n
-                                                  : rotate_corner(options.scheme, n, level, q, s));
+    std::vector<bool> seen(last.vertex_count);
+    for (uint32_t q = 0; q < last.corner_count(); ++q) {
+        const uint32_t v = last.face_vertices[q];
+        if (seen[v]) continue;
+        seen[v] = true;
+        block.places.push_back(v < n ? Place::vertex : sides[v] != kInvalidIndex ? Place::edge : Place::inside);
+        block.sides.push_back(v < n ? v : sides[v]);
+        for (uint32_t s = 0; s < n; ++s)
+            block.rotated[s].push_back(level == 0 ? (q + s) % n : rotate_corner(options.scheme, n, level, q, s));
+    }
     return block;
 }
 
@@ -81,105 +103,77 @@ struct Member {
 struct Job {
     const Refinement& refinement;
     ComposeOptions options;
+    std::vector<LevelCounts> counts;   ///< of levels 0 .. options.level
     std::map<uint32_t, Block> blocks;  ///< by face size
 
     const Topology& base() const { return refinement.levels[0]; }
-    const Topology& level() const { return refinement.levels[options.level]; }
     const Block& block(uint32_t f) const { return blocks.at(base().size_of_face(f)); }
-    uint32_t first_corner(uint32_t f) const {
-        if (options.level == 0) return base().face_begin(f);
-        const bool triangles = base().options.scheme == Scheme::loop;
-        uint32_t face = triangles ? 4 * f : base().face_begin(f);
-        for (uint32_t i = 1; i < options.level; ++i) face *= 4;
-        return face * level().face_size;
-    }
+    bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
-/// The face that writes the row of vertex v of a level: the first one around the base vertex, edge or face it
-/// is on.
-uint32_t owner(const Refinement& refinement, uint32_t level, uint32_t v) {
-    while (level > 0) {
-        const Topology& parent = refinement.levels[level - 1];
-        const uint32_t first_edge_child = child_of_edge(parent, 0);
-        --level;
-        if (v < parent.vertex_count) continue;
-        uint32_t f = 0;
-        if (v < first_edge_child) {
-            f = v - parent.vertex_count;
-        } else {
-            const uint32_t e = v - first_edge_child;
-            f = parent.face_of_corner(parent.edge_corners[parent.edge_corner_offsets[e]]);
-        }
-        return base_face_of(refinement, level, f);
-    }
-    const Topology& base = refinement.levels[0];
-    return base.face_of_corner(base.vertex_corners[base.vertex_corner_offsets[v]]);
-}
-
-/// The refinement over one face, written down: which points of each level are needed, and each one's row over the
-/// needed points of the level before (entries hold positions among those). The last step makes the targets; in limit
-/// tables it carries tangents.
+/// The refinement over one face, written down: each step's rows over the points of the level before, for the points
+/// that are needed. Entries hold positions among those. Points of level 0 are in the order of the neighbourhood's ring.
+/// In limit tables the last step carries tangents.
 struct Program {
     struct Step {
         std::vector<uint32_t> offsets;
         Row entries;
     };
-    std::vector<Step> steps;                    ///< in order of execution
-    std::vector<TangentWeights> tangents;       ///< beside the entries of the last step
-    std::vector<std::vector<uint32_t>> needed;  ///< vertices per level, 0 .. ; needed[0] is the ring
-    std::vector<IndexMap> maps;
-    std::vector<uint32_t> targets;
+    size_t ring_size = 0, target_count = 0;
+    std::vector<Step> steps;                ///< in order of execution
+    std::vector<TangentWeights> tangents;   ///< beside the entries of the last step
+    std::vector<uint32_t> points, sources;  ///< scratch: vertices that a step makes, and needs
+    LocalRefinement local;
 };
 
+/// Appends one step whose rows are those of program.points; leaves the vertices it needs in program.points.
 template <class AppendRow>
-void write_step(const std::vector<uint32_t>& points, std::vector<uint32_t>& needed, IndexMap& map,
-                Program::Step& step, const AppendRow& append_row) {
+void write_step(Program& program, std::vector<uint32_t>& positions, Program::Step& step, const AppendRow& append_row) {
     step.offsets.assign(1, 0);
     step.entries.clear();
-    for (const uint32_t v : points) {
+    program.sources.clear();
+    for (const uint32_t v : program.points) {
         const size_t first = step.entries.size();
         append_row(v, step.entries);
         for (size_t k = first; k < step.entries.size(); ++k) {
-            const uint32_t index = step.entries[k].index;
-            step.entries[k].index = map.find_or_insert(index, static_cast<uint32_t>(needed.size()));
-            if (step.entries[k].index == needed.size()) needed.push_back(index);
+            uint32_t& position = positions[step.entries[k].index];
+            if (position == kInvalidIndex) {
+                position = static_cast<uint32_t>(program.sources.size());
+                program.sources.push_back(step.entries[k].index);
+            }
+            step.entries[k].index = position;
         }
         step.offsets.push_back(static_cast<uint32_t>(step.entries.size()));
     }
+    std::swap(program.points, program.sources);
 }
 
-/// Works back from the targets over face `member` to its ring, whose order is that of the walk.
+/// Works back from the targets over a face to its ring.
 void write_program(const Job& job, const Member& member, Neighborhood& hood, Program& program) {
-    const Refinement& refinement = job.refinement;
-    const uint32_t level = job.options.level;
     const bool limit = job.options.target != Target::refined;
-    const uint32_t step_count = level + (limit ? 1 : 0);
+    read_neighborhood(job.base(), member.face, job.with_tangents(), hood);
+    LocalRefinementOptions options{job.options.level, limit, nullptr};
+    if (!job.refinement.uncut.empty()) options.uncut = &job.refinement.uncut[0];
+    refine_locally(job.base(), hood.faces, job.block(member.face).rotated[member.rotation], options, program.local);
+    const std::vector<Topology>& levels = program.local.levels;
+    const size_t step_count = levels.size() - 1 + (limit ? 1 : 0);
     program.steps.resize(step_count);
-    program.needed.resize(step_count);
-    program.maps.resize(step_count);
-    read_neighborhood(job.base(), member.face, hood);
-    for (uint32_t l = 0; l < step_count; ++l) {
-        program.needed[l].clear();
-        program.maps[l].clear();
-    }
-    for (const uint32_t v : hood.ring) {
-        program.maps[0].find_or_insert(v, static_cast<uint32_t>(program.needed[0].size()));
-        program.needed[0].push_back(v);
-    }
-    program.targets.clear();
     program.tangents.clear();
-    const uint32_t first = job.first_corner(member.face);
-    for (const uint32_t q : job.block(member.face).rotated[member.rotation])
-        program.targets.push_back(job.level().face_vertices[first + q]);
-    for (uint32_t step = step_count; step-- > 0;) {
-        const std::vector<uint32_t>& points = step + 1 == step_count ? program.targets : program.needed[step + 1];
-        const Topology& parent = refinement.levels[step];
-        auto append_row = [&](uint32_t v, Row& row) {
-            if (limit && step == level) limit_row(parent, v, row, program.tangents);
-            else
-                refinement_row(parent, v, refinement.levels[step + 1].vertex_rules[v], job.options.interpolation, row);
-        };
-        write_step(points, program.needed[step], program.maps[step], program.steps[step], append_row);
+    program.points = program.local.targets;
+    program.target_count = program.points.size();
+    program.ring_size = hood.ring.size();
+    std::vector<uint32_t> positions;
+    for (size_t step = step_count; step-- > 0;) {
+        const Topology& parent = levels[step];
+        positions.assign(parent.vertex_count, kInvalidIndex);
+        if (step == 0)
+            for (uint32_t v = 0; v < parent.vertex_count; ++v) positions[v] = hood.local(program.local.ring[v]);
+        write_step(program, positions, program.steps[step], [&](uint32_t v, Row& row) {
+            if (step + 1 == levels.size()) return limit_row(parent, v, row, program.tangents);
+            const std::vector<uint32_t>& children = program.local.children[step + 1];
+            const uint32_t child = children.empty() ? v : children[v];
+            refinement_row(parent, child, levels[step + 1].vertex_rules[v], job.options.interpolation, row);
+        });
     }
 }
 
@@ -190,7 +184,7 @@ struct Supports {
 };
 
 void run_supports(const Program& program, Supports& s) {
-    const size_t ring = program.needed[0].size();
+    const size_t ring = program.ring_size;
     s.words = static_cast<uint32_t>((ring + 63) / 64);
     const size_t words = s.words;
     s.bits.assign(ring * words, 0);
@@ -242,7 +236,7 @@ LIMN_VECTOR_CLONES void multiply(const Program::Step& step, const double* weight
 }
 
 void run_weights(const Program& program, Weights& w) {
-    const size_t ring = program.needed[0].size();
+    const size_t ring = program.ring_size;
     const size_t stride = w.stride = (ring + 7) / 8 * 8;
     w.rows.assign(ring * stride, 0.0);
     for (size_t i = 0; i < ring; ++i) w.rows[i * stride + i] = 1;
@@ -285,27 +279,34 @@ void share_rows(const Supports& s, const Weights& w, SharedRows<Real>& out) {
     }
 }
 
-/// body(target, vertex) for the targets that face `member` owns.
+/// body(target, vertex) for the targets that face `member` owns. `vertices` is scratch.
 template <class Body>
-void for_each_owned(const Job& job, const Member& member, const Body& body) {
+void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>& vertices, const Body& body) {
+    const Topology& base = job.base();
+    const uint32_t begin = base.face_begin(member.face), size = base.size_of_face(member.face);
     const Block& block = job.block(member.face);
     const std::vector<uint32_t>& corners = block.rotated[member.rotation];
-    const uint32_t* vertices = job.level().face_vertices.data() + job.first_corner(member.face);
-    for (size_t i = 0; i < corners.size(); ++i) {
-        const uint32_t v = vertices[corners[i]];
-        if (i < block.inside_count || owner(job.refinement, job.options.level, v) == member.face) body(i, v);
-    }
+    vertices_over_face(base, job.counts, job.options.level, member.face, vertices);
+    auto owns = [&](size_t i) {
+        if (block.places[i] == Place::inside) return true;
+        const uint32_t c = begin + (block.sides[i] + member.rotation) % size;
+        const uint32_t first = block.places[i] == Place::edge ? base.corners_of_edge(base.face_edges[c])[0]
+                                                              : base.corners_of_vertex(base.face_vertices[c])[0];
+        return base.face_of_corner(first) == member.face;
+    };
+    for (size_t i = 0; i < corners.size(); ++i)
+        if (owns(i)) body(i, vertices[corners[i]]);
 }
 
 template <class Real>
 void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows, BasicStencilTable<Real>& table,
-                Neighborhood& hood) {
-    read_neighborhood(job.base(), member.face, hood);
+                Neighborhood& hood, std::vector<uint32_t>& vertices) {
+    read_neighborhood(job.base(), member.face, job.with_tangents(), hood);
     const Array<uint32_t>& map = job.refinement.control_indices;
     if (!map.empty())
         for (uint32_t& point : hood.ring) point = map[point];
     const bool tangents = !table.tangent1_weights.empty();
-    for_each_owned(job, member, [&](size_t target, uint32_t v) {
+    for_each_owned(job, member, vertices, [&](size_t target, uint32_t v) {
         const uint32_t first = rows.offsets[target], count = rows.offsets[target + 1] - first;
         const size_t at = table.offsets[v];
         for (uint32_t k = 0; k < count; ++k) {
@@ -324,13 +325,13 @@ struct Groups {
     std::vector<uint32_t> first;  ///< one more than groups
 };
 
-Groups group_faces(const Topology& base) {
+Groups group_faces(const Topology& base, bool with_starts) {
     Groups groups;
     groups.members.resize(base.face_count);
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
         Neighborhood hood;
         for (uint32_t f = range.begin(); f != range.end(); ++f) {
-            read_neighborhood(base, f, hood);
+            read_neighborhood(base, f, with_starts, hood);
             groups.members[f] = {hash_signature(hood.signature), f, hood.rotation};
         }
     });
@@ -347,20 +348,22 @@ Groups group_faces(const Topology& base) {
 template <class Body>
 void for_each_group(const Groups& groups, const Body& body) {
     tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        body(std::span<const Member>(groups.members.data() + groups.first[g],
-                                     groups.first[g + 1] - groups.first[g]));
+        body(std::span<const Member>(groups.members.data() + groups.first[g], groups.first[g + 1] - groups.first[g]));
     });
 }
 
-/// body(member) for the members of one group, in parallel too: a group can be most of the mesh.
+/// What writing the rows of one member takes, besides the shared rows.
+struct MemberScratch {
+    Neighborhood hood;
+    std::vector<uint32_t> vertices;
+};
+
+/// body(member, scratch) for the members of one group, in parallel too: a group can be most of the mesh.
 template <class Body>
 void for_each_member(std::span<const Member> members, const Body& body) {
-    if (members.size() < 32) {
-        for (const Member& member : members) body(member);
-        return;
-    }
     tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
-        for (size_t i = range.begin(); i != range.end(); ++i) body(members[i]);
+        MemberScratch scratch;
+        for (size_t i = range.begin(); i != range.end(); ++i) body(members[i], scratch);
     });
 }
 
@@ -372,9 +375,10 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes) {
         write_program(job, members[0], hood, program);
         run_supports(program, supports);
         std::vector<uint32_t> row_sizes;
-        for (size_t i = 0; i < program.targets.size(); ++i) row_sizes.push_back(support_size(supports, i));
-        for_each_member(members, [&](const Member& member) {
-            for_each_owned(job, member, [&](size_t target, uint32_t v) { sizes[v] = row_sizes[target]; });
+        for (size_t i = 0; i < program.target_count; ++i) row_sizes.push_back(support_size(supports, i));
+        for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+            for_each_owned(job, member, scratch.vertices,
+                           [&](size_t target, uint32_t v) { sizes[v] = row_sizes[target]; });
         });
     });
 }
@@ -382,18 +386,19 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes) {
 template <class Real>
 void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& table) {
     for_each_group(groups, [&](std::span<const Member> members) {
-        Neighborhood hood;
-        Program program;
-        Supports supports;
-        Weights weights;
         SharedRows<Real> rows;
-        write_program(job, members[0], hood, program);
-        run_supports(program, supports);
-        run_weights(program, weights);
-        share_rows(supports, weights, rows);
-        for_each_member(members, [&](const Member& member) {
-            Neighborhood member_hood;
-            write_rows(job, member, rows, table, member_hood);
+        {
+            Neighborhood hood;
+            Program program;
+            Supports supports;
+            Weights weights;
+            write_program(job, members[0], hood, program);
+            run_supports(program, supports);
+            run_weights(program, weights);
+            share_rows(supports, weights, rows);
+        }
+        for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+            write_rows(job, member, rows, table, scratch.hood, scratch.vertices);
         });
     });
 }
@@ -416,24 +421,26 @@ uint32_t base_face_of(const Refinement& refinement, uint32_t level, uint32_t f) 
 
 template <class Real>
 Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const ComposeOptions& options) {
-    Job job{refinement, options, {}};
+    Result<std::vector<LevelCounts>> counts = count_levels(refinement.levels[0], options.level);
+    if (!counts) return counts.error();
+    Job job{refinement, options, std::move(*counts), {}};
     const Topology& base = job.base();
     for (uint32_t f = 0; f < base.face_count; ++f) {
         const uint32_t n = base.size_of_face(f);
         if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
         if (base.face_size != 0) break;
     }
-    const Groups groups = group_faces(base);
+    const Groups groups = group_faces(base, job.with_tangents());
     BasicStencilTable<Real> table;
     table.source_count = refinement.control_count;
-    table.offsets.assign(size_t{job.level().vertex_count} + 1, 0);
+    table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);
     find_sizes(job, groups, table.offsets);
     for_each_loose_vertex(base, [&](uint32_t v) { table.offsets[v] = 1; });
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     const size_t entries = table.offsets.back();
     table.indices.allocate(entries);
     table.weights.allocate(entries);
-    if (options.target == Target::limit_with_tangents) {
+    if (job.with_tangents()) {
         table.tangent1_weights.allocate(entries);
         table.tangent2_weights.allocate(entries);
     }

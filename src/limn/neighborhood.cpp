@@ -5,41 +5,6 @@
 
 namespace limn {
 
-void IndexMap::clear() {
-    count_ = 0;
-    if (++stamp_ != 0) return;
-    std::fill(stamps_.begin(), stamps_.end(), 0u);
-    stamp_ = 1;
-}
-
-uint32_t IndexMap::find_or_insert(uint32_t key, uint32_t next) {
-    if (2 * (count_ + 1) > keys_.size()) grow();
-    const auto mask = static_cast<uint32_t>(keys_.size() - 1);
-    for (uint32_t i = (key * 2654435769u) >> 7 & mask;; i = (i + 1) & mask) {
-        if (stamps_[i] == stamp_) {
-            if (keys_[i] == key) return values_[i];
-            continue;
-        }
-        stamps_[i] = stamp_;
-        keys_[i] = key;
-        values_[i] = next;
-        ++count_;
-        return next;
-    }
-}
-
-void IndexMap::grow() {
-    IndexMap larger;
-    const size_t size = std::max<size_t>(256, 2 * keys_.size());
-    larger.keys_.resize(size);
-    larger.values_.resize(size);
-    larger.stamps_.assign(size, 0);
-    larger.stamp_ = 1;
-    for (size_t i = 0; i < keys_.size(); ++i)
-        if (stamps_[i] == stamp_) larger.find_or_insert(keys_[i], values_[i]);
-    *this = std::move(larger);
-}
-
 namespace {
 
 uint32_t bits(float x) {
@@ -66,24 +31,24 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
     return best;
 }
 
-/// The star of the face's vertex at `corner`: counter-clockwise from that corner where it is closed, else as
-/// listed.
-void read_star(const Topology& t, uint32_t corner, Neighborhood& out) {
+/// The star of the vertex at `corner`: counter-clockwise from that corner where it is closed, else as listed.
+void read_star(const Topology& t, uint32_t corner, bool with_starts, Neighborhood& out) {
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
-    const auto own =
-        static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    const auto own = static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
     const bool closed = t.vertex_manifold[v] != 0 && corners.size() == edges.size();
     const uint32_t shift = closed ? own : 0;
     auto put = [&](uint32_t x) { out.signature.push_back(x); };
     put(static_cast<uint32_t>(corners.size()) << 1 | t.vertex_manifold[v]);
     put(static_cast<uint32_t>(edges.size()));
-    put(own - shift);
+    put(with_starts ? own : own - shift);
     put(bits(t.vertex_sharpness[v]));
     for (size_t i = 0; i < corners.size(); ++i) {
         const uint32_t c = corners[(i + shift) % corners.size()], f = t.face_of_corner(c);
         const uint32_t begin = t.face_begin(f), size = t.size_of_face(f);
+        const auto next_face = static_cast<uint32_t>(out.faces.size());
+        if (out.face_map.find_or_insert(f, next_face) == next_face) out.faces.push_back(f);
         put(size);
         for (uint32_t k = 0, at = c; k < size; ++k, at = at + 1 == begin + size ? begin : at + 1)
             put(out.local(t.face_vertices[at]));
@@ -93,6 +58,7 @@ void read_star(const Topology& t, uint32_t corner, Neighborhood& out) {
         const uint32_t end = t.edge_vertices[2 * e] == v ? 0 : 1;
         put(out.local(t.other_vertex(e, v)));
         put(bits(t.edge_sharpness[e]));
+        if (with_starts) put(t.face_of_corner(t.corners_of_edge(e)[0]) == out.faces[0]);
         if (t.half_edge_sharpness.empty()) continue;
         put(bits(t.half_edge_sharpness[2 * e + end]));
         put(bits(t.half_edge_sharpness[2 * e + 1 - end]));
@@ -101,19 +67,21 @@ void read_star(const Topology& t, uint32_t corner, Neighborhood& out) {
 
 }  // namespace
 
-void read_neighborhood(const Topology& t, uint32_t f, Neighborhood& out) {
+void read_neighborhood(const Topology& t, uint32_t f, bool with_starts, Neighborhood& out) {
     out.ring.clear();
+    out.faces.assign(1, f);
     out.signature.clear();
     out.map.clear();
+    out.face_map.clear();
+    out.face_map.find_or_insert(f, 0);
     out.rotation = choose_rotation(t, f);
     const uint32_t begin = t.face_begin(f), size = t.size_of_face(f);
     auto corner = [&](uint32_t i) { return begin + (out.rotation + i) % size; };
     for (uint32_t i = 0; i < size; ++i) out.local(t.face_vertices[corner(i)]);
     for (uint32_t i = 0; i < size; ++i) {
-        const uint32_t v = t.face_vertices[corner(i)];
-        read_star(t, corner(i), out);
-        // Rules that follow a vertex elsewhere are not on the walk: such faces share with none.
-        if (t.leading_vertex(v) != v) out.signature.push_back(~f);
+        const uint32_t v = t.face_vertices[corner(i)], leader = t.leading_vertex(v);
+        read_star(t, corner(i), with_starts, out);
+        if (leader != v) read_star(t, t.corners_of_vertex(leader)[0], with_starts, out);
     }
 }
 

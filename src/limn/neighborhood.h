@@ -7,22 +7,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "limn/index_map.h"
 #include "limn/topology.h"
 
 namespace limn {
-
-/// Position -> index, for some thousand distinct positions. clear() is cheap.
-class IndexMap {
-  public:
-    void clear();
-    /// The index of `key`; when new, `next` is stored and returned.
-    uint32_t find_or_insert(uint32_t key, uint32_t next);
-
-  private:
-    void grow();
-    std::vector<uint32_t> keys_, values_, stamps_;
-    uint32_t stamp_ = 0, count_ = 0;
-};
 
 /// The vertices of all faces that touch a face, numbered in order of a walk that starts at its corner
 /// `rotation`: first the face's own, then, corner by corner, those of the faces around. Filled by
@@ -30,8 +18,9 @@ class IndexMap {
 struct Neighborhood {
     uint32_t rotation = 0;
     std::vector<uint32_t> ring;       ///< base vertices in walk order
+    std::vector<uint32_t> faces;      ///< the face, then the others around its vertices
     std::vector<uint32_t> signature;  ///< sizes, local vertices and sharpness met on the walk
-    IndexMap map;
+    IndexMap map, face_map;
 
     uint32_t local(uint32_t vertex) {
         const uint32_t i = map.find_or_insert(vertex, static_cast<uint32_t>(ring.size()));
@@ -40,9 +29,10 @@ struct Neighborhood {
     }
 };
 
-/// Walks around face f of a base level. Two faces of one mesh whose signatures are equal have equal stencils,
+/// Walks around face f of a base level. `with_starts` tells apart where the stars of closed vertices start, which decides
+/// the sides that tangents are taken on. Two faces of one mesh whose signatures are equal have equal stencils,
 /// ring position by ring position, at every level.
-void read_neighborhood(const Topology& base, uint32_t f, Neighborhood& out);
+void read_neighborhood(const Topology& base, uint32_t f, bool with_starts, Neighborhood& out);
 
 /// 128 bits of the signature.
 std::array<uint64_t, 2> hash_signature(const std::vector<uint32_t>& signature);

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <string>
 
+#include "limn/local_refinement.h"
 #include "limn/parallel.h"
 #include "limn/topology_build.h"
 
 namespace limn {
 namespace {
-
-constexpr uint64_t kMaxCorners = 0x7fffffff;
 
 /// Children are numbered: vertices [of vertices | of faces (quads only) | of edges], edges [within faces | 2
 /// e + end of edge e], faces in corner order (a triangle's centre child comes last).
@@ -253,7 +252,9 @@ void split_vertices(const Split& s, bool full) {
     t.dependent_vertices = p.dependent_vertices;
 }
 
-Topology refine(const Topology& parent, bool full) {
+}  // namespace
+
+Topology refine_once(const Topology& parent, bool full) {
     Topology child;
     const Split split{parent, child};
     allocate_common(split, full);
@@ -267,67 +268,76 @@ Topology refine(const Topology& parent, bool full) {
     return child;
 }
 
-/// Chaikin creasing looks at all edges around a vertex of the mesh, also those beyond a seam.
-void copy_half_edge_sharpness(const Topology& mesh, Topology& channel) {
-    for (uint32_t c = 0; c < mesh.corner_count(); ++c) {
-        const uint32_t from = mesh.face_edges[c], to = channel.face_edges[c];
-        const uint32_t from_end = mesh.end_at_corner(c), to_end = channel.end_at_corner(c);
+void copy_half_edge_sharpness(const Topology& uncut, Topology& channel) {
+    for (uint32_t c = 0; c < uncut.corner_count(); ++c) {
+        const uint32_t from = uncut.face_edges[c], to = channel.face_edges[c];
+        const uint32_t from_end = uncut.end_at_corner(c), to_end = channel.end_at_corner(c);
         if (is_infinite(channel.edge_sharpness[to])) continue;
-        channel.half_edge_sharpness[2 * to + to_end] = mesh.half_edge_sharpness[2 * from + from_end];
-        channel.half_edge_sharpness[2 * to + 1 - to_end] = mesh.half_edge_sharpness[2 * from + 1 - from_end];
+        channel.half_edge_sharpness[2 * to + to_end] = uncut.half_edge_sharpness[2 * from + from_end];
+        channel.half_edge_sharpness[2 * to + 1 - to_end] = uncut.half_edge_sharpness[2 * from + 1 - from_end];
     }
 }
 
-/// `mesh` is the uncut topology beside a face-varying base, or null.
-Result<Refinement> refine_levels(Topology base, const Topology* mesh, const RefinementOptions& options) {
-    if (options.level > kMaxRefinementLevel)
-        return Error{ErrorCode::invalid_argument, "refinement level " + std::to_string(options.level) +
-                                                      " is above " + std::to_string(kMaxRefinementLevel)};
-    // Every level has four times the corners of the one before.
-    uint64_t corners = base.corner_count();
-    for (uint32_t level = 1; level <= options.level; ++level)
-        if (corners *= 4; corners > kMaxCorners)
-            return Error{ErrorCode::too_large, "level " + std::to_string(level) + " of this mesh has " +
-                                                   std::to_string(corners) +
+Result<std::vector<LevelCounts>> count_levels(const Topology& base, uint32_t level) {
+    constexpr uint64_t kMaxCorners = 0x7fffffff;
+    if (level > kMaxRefinementLevel)
+        return Error{ErrorCode::invalid_argument, "refinement level " + std::to_string(level) + " is above " +
+                                                      std::to_string(kMaxRefinementLevel)};
+    std::vector<LevelCounts> counts{{base.vertex_count, base.edge_count, base.face_count, base.corner_count()}};
+    const bool triangles = base.options.scheme == Scheme::loop;
+    for (uint32_t l = 1; l <= level; ++l) {
+        const LevelCounts& p = counts.back();
+        if (uint64_t{4} * p.corners > kMaxCorners)
+            return Error{ErrorCode::too_large, "level " + std::to_string(l) + " of this mesh has " +
+                                                   std::to_string(uint64_t{4} * p.corners) +
                                                    " face corners, more than 2^31 - 1"};
-    Refinement refinement;
-    refinement.levels.reserve(options.level + 1);
-    refinement.levels.push_back(std::move(base));
-    Topology uncut;
-    const bool chaikin = mesh != nullptr && !refinement.last().half_edge_sharpness.empty();
-    for (uint32_t level = 1; level <= options.level; ++level) {
-        if (chaikin) {
-            copy_half_edge_sharpness(level == 1 ? *mesh : uncut, refinement.levels.back());
-            uncut = refine(level == 1 ? *mesh : uncut, true);
-        }
-        refinement.levels.push_back(
-            refine(refinement.last(), level < options.level || options.full_last_level));
+        counts.push_back({p.vertices + (triangles ? 0 : p.faces) + p.edges, p.corners + 2 * p.edges,
+                          triangles ? 4 * p.faces : p.corners, 4 * p.corners});
     }
-    return refinement;
+    return counts;
+}
+
+namespace {
+
+Result<void> refine_levels(const RefinementOptions& options, Refinement& refinement) {
+    if (auto counts = count_levels(refinement.levels[0], options.level); !counts) return counts.error();
+    refinement.levels.reserve(options.level + 1);
+    Topology uncut;
+    for (uint32_t level = 1; level <= options.level; ++level) {
+        if (!refinement.uncut.empty()) {
+            const Topology& before = level == 1 ? refinement.uncut[0] : uncut;
+            copy_half_edge_sharpness(before, refinement.levels.back());
+            uncut = refine_once(before, true);
+        }
+        refinement.levels.push_back(refine_once(refinement.last(), level < options.level || options.full_last_level));
+    }
+    return {};
 }
 
 }  // namespace
 
 Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOptions& options) {
-    Result<Refinement> refinement = refine_levels(build_topology(mesh), nullptr, options);
-    if (refinement) refinement->control_count = mesh.vertex_count;
+    Refinement refinement;
+    refinement.control_count = mesh.vertex_count;
+    refinement.levels.push_back(build_topology(mesh));
+    if (auto ok = refine_levels(options, refinement); !ok) return ok.error();
     return refinement;
 }
 
 Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32_t channel,
                                                  const RefinementOptions& options) {
     if (channel >= mesh.channels.size())
-        return Error{
-            ErrorCode::index_out_of_range,
-            "face-varying channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
-            channel};
-    Array<uint32_t> values;
-    const Topology uncut = build_topology(mesh);
-    Topology base = build_face_varying_topology(mesh, uncut, channel, values);
-    Result<Refinement> refinement = refine_levels(std::move(base), &uncut, options);
-    if (!refinement) return refinement;
-    refinement->control_count = mesh.channels[channel].value_count;
-    refinement->control_indices = std::move(values);
+        return Error{ErrorCode::index_out_of_range, "face-varying channel " + std::to_string(channel) + " of " +
+                                                        std::to_string(mesh.channels.size()), channel};
+    Refinement refinement;
+    refinement.control_count = mesh.channels[channel].value_count;
+    Topology uncut = build_topology(mesh);
+    refinement.levels.push_back(build_face_varying_topology(mesh, uncut, channel, refinement.control_indices));
+    if (!refinement.levels[0].half_edge_sharpness.empty()) {
+        copy_half_edge_sharpness(uncut, refinement.levels[0]);
+        refinement.uncut.push_back(std::move(uncut));
+    }
+    if (auto ok = refine_levels(options, refinement); !ok) return ok.error();
     return refinement;
 }
 

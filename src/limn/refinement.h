@@ -13,7 +13,7 @@ inline constexpr uint32_t kMaxRefinementLevel = 10;
 
 struct RefinementOptions {
     uint32_t level = 1;            ///< 0 .. kMaxRefinementLevel
-    bool full_last_level = false;  ///< edges and stars of the last level, too (limit tables need them)
+    bool full_last_level = false;  ///< edges and stars of the last level, too
 };
 
 /// Levels 0 .. level. Children are numbered as in OpenSubdiv: the vertices of a level are, in this order, one
@@ -21,6 +21,8 @@ struct RefinementOptions {
 /// centre comes last). A child of a vertex keeps the vertex's index, at every level.
 struct Refinement {
     std::vector<Topology> levels;
+    /// With Chaikin creasing, a face-varying channel keeps the base level of the mesh that it was cut from.
+    std::vector<Topology> uncut;
     uint32_t control_count = 0;       ///< control points that tables refer to
     Array<uint32_t> control_indices;  ///< control point of each base vertex; empty when they are the same
 

@@ -109,26 +109,14 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
 template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
                                                     Interpolation interpolation) {
-    if (level >= refinement.level_count())
-        return Error{ErrorCode::invalid_argument,
-                     "the mesh is not refined to level " + std::to_string(level)};
     if (level == 0) return identity_table<Real>(refinement);
-    if (level == 1 && refinement.control_indices.empty())
-        return build_step_table<Real>(refinement, level, interpolation);
     return compose<Real>(refinement, {level, interpolation, Target::refined});
 }
 
 template <class Real>
-Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, bool tangents) {
-    const Topology& last = refinement.last();
-    const uint32_t size = last.options.scheme == Scheme::loop ? 3 : 4;
-    if (last.face_edges.empty())
-        return Error{ErrorCode::unsupported, "limit tables need a refinement built with full_last_level"};
-    if (last.face_size != size && last.options.scheme != Scheme::bilinear)
-        return Error{ErrorCode::unsupported, "limit tables need faces of " + std::to_string(size) +
-                                                 " vertices: refine at least once"};
-    return compose<Real>(refinement, {refinement.level_count() - 1, Interpolation::vertex,
-                                      tangents ? Target::limit_with_tangents : Target::limit});
+Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level, bool tangents) {
+    return compose<Real>(refinement,
+                         {level, Interpolation::vertex, tangents ? Target::limit_with_tangents : Target::limit});
 }
 
 Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level) {
@@ -158,7 +146,7 @@ void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const R
     template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation); \
     template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t,              \
                                                                  Interpolation);                           \
-    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, bool);                   \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);                   \
     template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>,               \
                                       std::span<Real>, uint32_t);
 LIMN_INSTANTIATE(float)

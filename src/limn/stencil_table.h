@@ -42,24 +42,24 @@ template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
                                                  Interpolation interpolation = Interpolation::vertex);
 
-/// The points of `level` (0 .. level_count() - 1) from the control points. Row r is vertex r of the level;
-/// source_count is refinement.control_count.
-/// Weights are computed in double. Built on all cores; the result does not depend on their number. Peak
-/// memory is the table plus a few percent. Errors: too_large when the table would hold 2^32 entries or more.
+/// The points of `level` (0 .. kMaxRefinementLevel) from the control points, straight from the base level: `refinement`
+/// need not go that deep. Row r is vertex r of the level; source_count is refinement.control_count.
+/// Weights are computed in double. Built on all cores; the result does not depend on their number. Peak memory is the
+/// table plus a few percent.
+/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 face corners or the table
+/// 2^32 entries or more.
 template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
                                                     Interpolation interpolation = Interpolation::vertex);
 
-/// The limit positions of the vertices of the last level and, when asked for, two tangents each, from the
-/// control points. Needs Refinement built with full_last_level. Row r is vertex r. Tangents: tangent1 points
-/// along the first edge of the vertex, tangent1 x tangent2 along the normal (faces are counter-clockwise seen
-/// from outside). Their lengths carry no meaning. At a crease the tangents are those of the side
-/// counter-clockwise from its first sharp edge. Exact where the level is at least ceil(the largest finite
-/// sharpness). Errors: unsupported when the last level has faces of other sizes than the scheme's own (refine
-/// once; a vertex keeps its index, so the first rows of the next level's table are the limits of this one's
-/// vertices) or was not built with full_last_level; too_large.
+/// The limit positions of the vertices of `level` and, when asked for, two tangents each, from the control points; else
+/// as build_stencil_table. Exact at every level: where semi-sharp features reach deeper, so does the computation (not
+/// so with opensubdiv_compatible, whose limits are right at levels >= ceil(the largest finite sharpness) only).
+/// tangent1 x tangent2 points along the normal (faces are counter-clockwise seen from outside); their lengths carry no
+/// meaning. At a crease the tangents are those of one side, tangent1 along the crease; at a corner they are the ends of
+/// the first sector between sharp edges.
 template <class Real>
-Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, bool tangents = false);
+Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level, bool tangents = false);
 
 /// The base face that each face of the level descends from: face_count entries. What face-uniform data needs.
 Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level);

@@ -42,6 +42,13 @@ void build_incidence(Topology& t, const Array<uint32_t>& first);
 /// fails.
 void order_stars(Topology& t);
 
+/// One refinement step. `full`: with edges and stars.
+Topology refine_once(const Topology& parent, bool full);
+
+/// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a channel's
+/// level the half_edge_sharpness that the uncut level has for them. Corners of both correspond.
+void copy_half_edge_sharpness(const Topology& uncut, Topology& channel);
+
 /// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
 void build_half_edge_sharpness(Topology& t);
 

@@ -1,0 +1,41 @@
+#include "limn/index_map.h"
+
+#include <algorithm>
+
+namespace limn {
+
+void IndexMap::clear() {
+    count_ = 0;
+    if (++stamp_ != 0) return;
+    for (Slot& slot : slots_) slot.stamp = 0;
+    stamp_ = 1;
+}
+
+uint32_t IndexMap::find(uint32_t key) const {
+    if (slots_.empty()) return kMissing;
+    const auto mask = static_cast<uint32_t>(slots_.size() - 1);
+    for (uint32_t i = slot_of(key); slots_[i].stamp == stamp_; i = (i + 1) & mask)
+        if (slots_[i].key == key) return slots_[i].value;
+    return kMissing;
+}
+
+uint32_t IndexMap::find_or_insert(uint32_t key, uint32_t next) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    const auto mask = static_cast<uint32_t>(slots_.size() - 1);
+    uint32_t i = slot_of(key);
+    for (; slots_[i].stamp == stamp_; i = (i + 1) & mask)
+        if (slots_[i].key == key) return slots_[i].value;
+    slots_[i] = {key, next, stamp_};
+    ++count_;
+    return next;
+}
+
+void IndexMap::grow() {
+    IndexMap larger;
+    larger.slots_.assign(std::max<size_t>(256, 2 * slots_.size()), Slot{0, 0, 0});
+    for (const Slot& slot : slots_)
+        if (slot.stamp == stamp_) larger.find_or_insert(slot.key, slot.value);
+    *this = std::move(larger);
+}
+
+}  // namespace limn

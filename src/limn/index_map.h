@@ -1,0 +1,30 @@
+// A small hash map from indices to indices. Not part of the public interface.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace limn {
+
+/// For some thousand keys; memory is kept and clear() is cheap.
+class IndexMap {
+  public:
+    static constexpr uint32_t kMissing = ~uint32_t{0};
+
+    void clear();
+    /// The value of `key`; when new, `next` is stored and returned.
+    uint32_t find_or_insert(uint32_t key, uint32_t next);
+    /// The value of `key` or kMissing.
+    uint32_t find(uint32_t key) const;
+
+  private:
+    uint32_t slot_of(uint32_t key) const { return (key * 2654435769u) >> 7 & static_cast<uint32_t>(slots_.size() - 1); }
+    void grow();
+    struct Slot {
+        uint32_t key, value, stamp;
+    };
+    std::vector<Slot> slots_;
+    uint32_t stamp_ = 1, count_ = 0;
+};
+
+}  // namespace limn
