@@ -67,8 +67,6 @@ class Array {
     const T* end() const { return data_ + size_; }
     T& back() { return (*this)[size_ - 1]; }
     const T& back() const { return (*this)[size_ - 1]; }
-    operator std::span<const T>() const { return {data_, size_}; }
-    operator std::span<T>() { return {data_, size_}; }
     size_t bytes() const { return size_ * sizeof(T); }
 
   private:

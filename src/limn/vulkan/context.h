@@ -13,31 +13,25 @@
 
 namespace limn::vk {
 
-#define LIMN_VK_INSTANCE_FUNCTIONS(X)    \
-    X(DestroyInstance)                   \
-    X(EnumeratePhysicalDevices)          \
-    X(GetPhysicalDeviceProperties)       \
-    X(GetPhysicalDeviceMemoryProperties) \
+// clang-format off
+#define LIMN_VK_INSTANCE_FUNCTIONS(X) \
+    X(DestroyInstance) X(EnumeratePhysicalDevices) X(GetPhysicalDeviceProperties) X(GetPhysicalDeviceMemoryProperties) \
     X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) X(GetDeviceProcAddr)
 
-#define LIMN_VK_DEVICE_FUNCTIONS(X)                                                                        \
-    X(DestroyDevice)                                                                                       \
-    X(GetDeviceQueue)                                                                                      \
-    X(QueueSubmit)                                                                                         \
-    X(DeviceWaitIdle)                                                                                      \
-    X(AllocateMemory) X(FreeMemory) X(MapMemory) X(UnmapMemory) X(CreateBuffer) X(DestroyBuffer)           \
-        X(GetBufferMemoryRequirements) X(BindBufferMemory) X(CreateBufferView) X(DestroyBufferView)        \
-            X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines) X(DestroyPipeline)      \
-                X(CreatePipelineLayout) X(DestroyPipelineLayout) X(CreateDescriptorSetLayout)              \
-                    X(DestroyDescriptorSetLayout) X(CreateDescriptorPool) X(DestroyDescriptorPool)         \
-                        X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreateCommandPool)             \
-                            X(DestroyCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer)          \
-                                X(EndCommandBuffer) X(CreateFence) X(DestroyFence) X(ResetFences)          \
-                                    X(WaitForFences) X(CreateQueryPool) X(DestroyQueryPool)                \
-                                        X(GetQueryPoolResults) X(CmdBindPipeline) X(CmdBindDescriptorSets) \
-                                            X(CmdPushConstants) X(CmdDispatch) X(CmdPipelineBarrier)       \
-                                                X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdResetQueryPool)     \
-                                                    X(CmdWriteTimestamp)
+#define LIMN_VK_DEVICE_FUNCTIONS(X) \
+    X(DestroyDevice) X(GetDeviceQueue) X(QueueSubmit) X(DeviceWaitIdle) \
+    X(AllocateMemory) X(FreeMemory) X(MapMemory) X(UnmapMemory) \
+    X(CreateBuffer) X(DestroyBuffer) X(GetBufferMemoryRequirements) X(BindBufferMemory) \
+    X(CreateBufferView) X(DestroyBufferView) \
+    X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines) X(DestroyPipeline) \
+    X(CreatePipelineLayout) X(DestroyPipelineLayout) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) \
+    X(CreateDescriptorPool) X(DestroyDescriptorPool) X(AllocateDescriptorSets) X(UpdateDescriptorSets) \
+    X(CreateCommandPool) X(DestroyCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer) \
+    X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences) \
+    X(CreateQueryPool) X(DestroyQueryPool) X(GetQueryPoolResults) \
+    X(CmdBindPipeline) X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch) \
+    X(CmdPipelineBarrier) X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdResetQueryPool) X(CmdWriteTimestamp)
+// clang-format on
 
 /// functions.CmdDispatch is vkCmdDispatch, and so on.
 struct Functions {

@@ -28,7 +28,7 @@ struct StencilEvaluationInfo {
     PointBuffer tangent2 = {};
     uint32_t first_row = 0;
     uint32_t row_count = ~uint32_t{0};  ///< clamped to the rows there are
-    /// The source lacks VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT. GPUs do not mind; CPU devices are a third
+    /// The source lacks VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT. GPUs do not mind; CPU devices are half
     /// as fast.
     bool storage_only_source = false;
 };

@@ -1,0 +1,23 @@
+// What lets one header be GLSL and C++. Shared headers hold 32-bit scalars, arrays of them, and plain functions.
+#ifndef LIMN_SHARED_INTEROP_H
+#define LIMN_SHARED_INTEROP_H
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <type_traits>
+#define LIMN_SHARED_BEGIN \
+    namespace limn::shared { \
+    using uint = uint32_t;
+#define LIMN_SHARED_END }
+#define LIMN_FN inline
+/// Fails to compile unless C++ lays T out in `bytes` bytes of 32-bit members, as std430 does.
+#define LIMN_LAYOUT(T, bytes) \
+    static_assert(sizeof(T) == bytes && alignof(T) == 4 && std::is_trivially_copyable_v<T>);
+#else
+#define LIMN_SHARED_BEGIN
+#define LIMN_SHARED_END
+#define LIMN_FN
+#define LIMN_LAYOUT(T, bytes)
+#endif
+
+#endif

@@ -1,0 +1,171 @@
+// limn info: what a model is made of.
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+#include "limn/refinement.h"
+#include "limn/stencil_table.h"
+
+namespace limn::cli {
+namespace {
+
+struct Options {
+    std::string path;
+    SurfaceOptions surface;
+    bool json = false;
+};
+
+struct Histogram {
+    const char* title;
+    std::map<uint32_t, uint64_t> counts;
+};
+
+struct Summary {
+    uint64_t vertices = 0, edges = 0, faces = 0, corners = 0, boundary_edges = 0, non_manifold_vertices = 0,
+             loose_vertices = 0, holes = 0, semi_sharp_edges = 0, infinite_edges = 0, sharp_vertices = 0;
+    float largest_finite_sharpness = 0;
+    Histogram face_sizes{"faces by size", {}}, interior_valences{"interior vertices by valence", {}},
+        boundary_faces{"boundary vertices by faces", {}};
+    uint64_t texture_values = 0, texture_seam_vertices = 0;
+    uint64_t step_table_bytes = 0;  ///< level 1
+};
+
+void count_edges(const Topology& t, Summary& s) {
+    for (uint32_t e = 0; e < t.edge_count; ++e) {
+        const float sharpness = t.edge_sharpness[e];
+        const size_t faces = t.corners_of_edge(e).size();
+        s.boundary_edges += faces == 1;
+        if (faces == 1) continue;
+        s.infinite_edges += is_infinite(sharpness);
+        s.semi_sharp_edges += sharpness > 0 && !is_infinite(sharpness);
+        if (!is_infinite(sharpness)) s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
+    }
+}
+
+void count_vertices(const Topology& t, Summary& s) {
+    for (uint32_t v = 0; v < t.vertex_count; ++v) {
+        const auto faces = static_cast<uint32_t>(t.corners_of_vertex(v).size());
+        const bool closed = t.edges_of_vertex(v).size() == faces;
+        const float sharpness = t.vertex_sharpness[v];
+        if (faces == 0) {
+            ++s.loose_vertices;
+        } else if (t.vertex_manifold[v] == 0) {
+            ++s.non_manifold_vertices;
+        } else {
+            s.sharp_vertices += sharpness > 0;
+            if (!is_infinite(sharpness)) s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
+            ++(closed ? s.interior_valences : s.boundary_faces).counts[faces];
+        }
+    }
+}
+
+Result<Summary> summarize(const ControlMesh& mesh) {
+    Result<Refinement> refinement = build_refinement(mesh, {1, false});
+    if (!refinement) return refinement.error();
+    const Topology& t = refinement->levels[0];
+    Summary s;
+    s.vertices = t.vertex_count;
+    s.edges = t.edge_count;
+    s.faces = t.face_count;
+    s.corners = t.corner_count();
+    for (uint32_t f = 0; f < t.face_count; ++f) {
+        ++s.face_sizes.counts[t.size_of_face(f)];
+        s.holes += t.face_holes[f];
+    }
+    count_edges(t, s);
+    count_vertices(t, s);
+    if (!mesh.channels.empty()) {
+        Array<uint32_t> values;
+        const Topology cut = build_face_varying_topology(mesh, t, 0, values);
+        s.texture_values = mesh.channels[0].value_count;
+        s.texture_seam_vertices = cut.vertex_count - (t.vertex_count - s.loose_vertices);
+    }
+    const auto step = build_step_table<float>(*refinement, 1);
+    if (!step) return step.error();
+    s.step_table_bytes = step->bytes();
+    return s;
+}
+
+void print_histogram(const Histogram& h) {
+    if (h.counts.empty()) return;
+    std::printf("%s:", h.title);
+    for (const auto& [key, count] : h.counts) std::printf("  %u: %llu", key, static_cast<unsigned long long>(count));
+    std::printf("\n");
+}
+
+void print_text(const Options& options, const Summary& s) {
+    std::printf("%s: %s, %s, %s\n", options.path.c_str(), (std::to_string(s.vertices) + " vertices").c_str(),
+                plural(s.edges, "edge").c_str(), plural(s.faces, "face").c_str());
+    print_histogram(s.face_sizes);
+    print_histogram(s.interior_valences);
+    print_histogram(s.boundary_faces);
+    auto line = [](const char* what, uint64_t count) {
+        if (count != 0) std::printf("%s: %llu\n", what, static_cast<unsigned long long>(count));
+    };
+    line("boundary edges", s.boundary_edges);
+    line("non-manifold vertices", s.non_manifold_vertices);
+    line("vertices without faces", s.loose_vertices);
+    line("holes", s.holes);
+    line("semi-sharp edges", s.semi_sharp_edges);
+    line("infinitely sharp edges", s.infinite_edges);
+    line("sharp vertices", s.sharp_vertices);
+    if (s.largest_finite_sharpness > 0)
+        std::printf("largest finite sharpness: %g\n", static_cast<double>(s.largest_finite_sharpness));
+    if (s.texture_values != 0)
+        std::printf("texture coordinates: %llu, %llu more than vertices along seams\n",
+                    static_cast<unsigned long long>(s.texture_values),
+                    static_cast<unsigned long long>(s.texture_seam_vertices));
+    std::printf("stencils of level 1: %s\n", human_bytes(s.step_table_bytes).c_str());
+}
+
+nlohmann::json histogram_json(const Histogram& h) {
+    nlohmann::json json = nlohmann::json::object();
+    for (const auto& [key, count] : h.counts) json[std::to_string(key)] = count;
+    return json;
+}
+
+void print_json(const Options& options, const Summary& s) {
+    const nlohmann::json json = {{"model", options.path},
+                                 {"vertices", s.vertices},
+                                 {"edges", s.edges},
+                                 {"faces", s.faces},
+                                 {"face_sizes", histogram_json(s.face_sizes)},
+                                 {"interior_valences", histogram_json(s.interior_valences)},
+                                 {"boundary_vertex_faces", histogram_json(s.boundary_faces)},
+                                 {"boundary_edges", s.boundary_edges},
+                                 {"non_manifold_vertices", s.non_manifold_vertices},
+                                 {"loose_vertices", s.loose_vertices},
+                                 {"holes", s.holes},
+                                 {"semi_sharp_edges", s.semi_sharp_edges},
+                                 {"infinitely_sharp_edges", s.infinite_edges},
+                                 {"sharp_vertices", s.sharp_vertices},
+                                 {"largest_finite_sharpness", s.largest_finite_sharpness},
+                                 {"texture_values", s.texture_values},
+                                 {"texture_seam_vertices", s.texture_seam_vertices},
+                                 {"level1_stencil_bytes", s.step_table_bytes}};
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+int run(const Options& options) {
+    const Result<LoadedModel> loaded = load_model(options.path, options.surface);
+    if (!loaded) return fail(loaded.error());
+    const Result<Summary> summary = summarize(loaded->mesh);
+    if (!summary) return fail(summary.error());
+    if (options.json) print_json(options, *summary);
+    else print_text(options, *summary);
+    return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& program, int& status) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command = program.add_subcommand("info", "Say what a model is made of");
+    command->add_option("MODEL", options->path, "OBJ file")->required();
+    command->add_flag("--json", options->json, "Print JSON");
+    add_surface_options(*command, options->surface);
+    command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace limn::cli

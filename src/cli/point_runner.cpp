@@ -1,0 +1,131 @@
+#include "cli/point_runner.h"
+
+namespace limn::cli {
+namespace {
+
+std::vector<float> apply_on_host(const StencilTable& table, std::span<const float> source, uint32_t width) {
+    std::vector<float> out(size_t{table.row_count()} * width);
+    apply_stencil_table<float>(table, source, out, width);
+    return out;
+}
+
+/// The table whose weights are a tangent's, sharing nothing with the original.
+StencilTable tangent_table(const StencilTable& table, const Array<float>& weights) {
+    StencilTable tangent;
+    tangent.source_count = table.source_count;
+    tangent.offsets = table.offsets;
+    tangent.indices = table.indices;
+    tangent.weights = weights;
+    return tangent;
+}
+
+Result<vk::Buffer> create_points(const vk::Device& device, uint64_t points, uint32_t width) {
+    return vk::create_buffer(device, points * width * sizeof(float), vk::kPointUsage, vk::MemoryUse::device);
+}
+
+}  // namespace
+
+Result<PointRunner> PointRunner::create(const DeviceOption& option) {
+    PointRunner runner;
+    if (option.device == "cpu") return runner;
+    vk::ContextOptions options;
+    options.validation = option.validation;
+    if (option.device != "auto") options.device_index = static_cast<uint32_t>(std::stoul(option.device));
+    Result<vk::Context> context = vk::Context::create(options);
+    if (!context) return context.error();
+    runner.context_.emplace(std::move(*context));
+    runner.name_ = runner.context_->device().name();
+    Result<vk::Evaluator> evaluator = vk::Evaluator::create(runner.context_->device());
+    if (!evaluator) return evaluator.error();
+    runner.evaluator_.emplace(std::move(*evaluator));
+    return runner;
+}
+
+Result<std::vector<float>> PointRunner::run(std::span<const StencilTable> tables, std::span<const float> source,
+                                            uint32_t width) const {
+    if (!context_) {
+        std::vector<float> points(source.begin(), source.end());
+        for (const StencilTable& table : tables) points = apply_on_host(table, points, width);
+        return points;
+    }
+    if (tables.empty()) return std::vector<float>(source.begin(), source.end());
+    const vk::Device& device = context_->device();
+    std::vector<vk::DeviceStencilTable> device_tables;
+    std::vector<vk::Buffer> points;
+    std::vector<vk::StencilEvaluation> evaluations;
+    device_tables.reserve(tables.size());  // evaluations refer to their tables
+    Result<vk::Buffer> control = vk::create_point_buffer(device, source);
+    if (!control) return control.error();
+    points.push_back(std::move(*control));
+    for (const StencilTable& table : tables) {
+        Result<vk::DeviceStencilTable> uploaded = vk::upload_stencil_table(device, table);
+        if (!uploaded) return uploaded.error();
+        device_tables.push_back(std::move(*uploaded));
+        Result<vk::Buffer> out = create_points(device, table.row_count(), width);
+        if (!out) return out.error();
+        Result<vk::StencilEvaluation> evaluation =
+            evaluator_->prepare({.table = &device_tables.back(),
+                                 .width = width,
+                                 .source = {.buffer = points.back().handle, .stride = width},
+                                 .destination = {.buffer = out->handle, .stride = width}});
+        if (!evaluation) return evaluation.error();
+        evaluations.push_back(std::move(*evaluation));
+        points.push_back(std::move(*out));
+    }
+    Result<vk::Commands> commands = vk::Commands::begin(device);
+    if (!commands) return commands.error();
+    for (const vk::StencilEvaluation& evaluation : evaluations) {
+        evaluation.record(*commands);
+        vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kKernelReads);
+    }
+    if (auto done = commands->submit_and_wait(); !done) return done.error();
+    return vk::download<float>(device, points.back(), size_t{tables.back().row_count()} * width);
+}
+
+Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span<const float> source) const {
+    LimitPoints limits;
+    if (!context_) {
+        limits.positions = apply_on_host(table, source, 3);
+        limits.tangents1 = apply_on_host(tangent_table(table, table.tangent1_weights), source, 3);
+        limits.tangents2 = apply_on_host(tangent_table(table, table.tangent2_weights), source, 3);
+        return limits;
+    }
+    const vk::Device& device = context_->device();
+    Result<vk::Buffer> control = vk::create_point_buffer(device, source);
+    if (!control) return control.error();
+    Result<vk::DeviceStencilTable> uploaded = vk::upload_stencil_table(device, table);
+    if (!uploaded) return uploaded.error();
+    std::vector<vk::Buffer> out;
+    for (int i = 0; i < 3; ++i) {
+        Result<vk::Buffer> points = create_points(device, table.row_count(), 3);
+        if (!points) return points.error();
+        out.push_back(std::move(*points));
+    }
+    Result<vk::StencilEvaluation> evaluation = evaluator_->prepare({.table = &*uploaded,
+                                                                    .width = 3,
+                                                                    .source = {.buffer = control->handle},
+                                                                    .destination = {.buffer = out[0].handle},
+                                                                    .tangent1 = {.buffer = out[1].handle},
+                                                                    .tangent2 = {.buffer = out[2].handle}});
+    if (!evaluation) return evaluation.error();
+    Result<vk::Commands> commands = vk::Commands::begin(device);
+    if (!commands) return commands.error();
+    evaluation->record(*commands);
+    if (auto done = commands->submit_and_wait(); !done) return done.error();
+    std::vector<float>* results[] = {&limits.positions, &limits.tangents1, &limits.tangents2};
+    for (size_t i = 0; i < 3; ++i) {
+        Result<std::vector<float>> values = vk::download<float>(device, out[i], size_t{table.row_count()} * 3);
+        if (!values) return values.error();
+        *results[i] = std::move(*values);
+    }
+    return limits;
+}
+
+Result<void> PointRunner::check_validation() const {
+    if (!context_ || context_->validation_message_count() == 0) return {};
+    return Error{ErrorCode::vulkan_failure,
+                 plural(context_->validation_message_count(), "validation message") + ", the first: " +
+                     context_->first_validation_message()};
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,163 @@
+#include "cli/program.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <map>
+
+#include "limn/file.h"
+
+namespace limn::cli {
+namespace {
+
+template <class T>
+struct Choice {
+    const char* name;
+    T value;
+};
+constexpr Choice<Scheme> kSchemes[] = {
+    {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}};
+constexpr Choice<BoundaryInterpolation> kBoundaries[] = {{"none", BoundaryInterpolation::none},
+                                                         {"edge-only", BoundaryInterpolation::edge_only},
+                                                         {"edge-and-corner", BoundaryInterpolation::edge_and_corner}};
+constexpr Choice<CreasingMethod> kCreasing[] = {{"uniform", CreasingMethod::uniform},
+                                                {"chaikin", CreasingMethod::chaikin}};
+constexpr Choice<TriangleSubdivision> kTriangles[] = {{"catmark", TriangleSubdivision::catmark},
+                                                      {"smooth", TriangleSubdivision::smooth}};
+constexpr Choice<FaceVaryingInterpolation> kFaceVarying[] = {
+    {"none", FaceVaryingInterpolation::none},
+    {"corners-only", FaceVaryingInterpolation::corners_only},
+    {"corners-plus1", FaceVaryingInterpolation::corners_plus1},
+    {"corners-plus2", FaceVaryingInterpolation::corners_plus2},
+    {"boundaries", FaceVaryingInterpolation::boundaries},
+    {"all", FaceVaryingInterpolation::all}};
+
+template <class T, size_t N>
+std::vector<std::string> names(const Choice<T> (&choices)[N]) {
+    std::vector<std::string> out;
+    for (const Choice<T>& choice : choices) out.emplace_back(choice.name);
+    return out;
+}
+
+/// CLI11 has checked the name.
+template <class T, size_t N>
+T value_of(const Choice<T> (&choices)[N], const std::string& name) {
+    for (const Choice<T>& choice : choices)
+        if (name == choice.name) return choice.value;
+    return choices[0].value;
+}
+
+template <class T, size_t N>
+void override_tag(std::optional<T>& tag, const Choice<T> (&choices)[N], const std::optional<std::string>& name) {
+    if (name) tag = value_of(choices, *name);
+}
+
+/// The line of the index-th line that starts with `keyword`, or 0. Only errors read a file again.
+uint64_t find_line(const std::string& path, const std::string& keyword, uint64_t index) {
+    const Result<FileBytes> file = read_file(path);
+    if (!file) return 0;
+    const std::string_view text = file->text();
+    uint64_t line = 1, count = 0;
+    for (size_t at = 0; at < text.size(); ++line) {
+        const size_t end = std::min(text.find('\n', at), text.size());
+        const std::string_view words = text.substr(at, end - at);
+        if (words.substr(0, keyword.size()) == keyword && count++ == index) return line;
+        at = end + 1;
+    }
+    return 0;
+}
+
+Error name_file(const Error& error, const std::string& path) {
+    uint64_t line = 0;
+    if (error.code == ErrorCode::missing_edge) line = find_line(path, "t crease ", error.element);
+    if (error.code == ErrorCode::not_a_triangle) line = find_line(path, "f ", error.element);
+    Error named = error;
+    named.message = printable(path) + (line != 0 ? ":" + std::to_string(line) : "") + ": " + error.message;
+    return named;
+}
+
+}  // namespace
+
+int fail(const Error& error) {
+    std::fprintf(stderr, "limn: %s\n", error.message.c_str());
+    return error.code == ErrorCode::no_device ? kNoDevice : kBadInput;
+}
+
+void add_surface_options(CLI::App& command, SurfaceOptions& options) {
+    const char* group = "Surface (the model's own tags hold where these are not given)";
+    command.add_option("--scheme", options.scheme, "Subdivision scheme")
+        ->check(CLI::IsMember(names(kSchemes)))
+        ->capture_default_str()
+        ->group(group);
+    command.add_option("--boundary", options.boundary, "Boundary interpolation (default edge-only)")
+        ->check(CLI::IsMember(names(kBoundaries)))
+        ->group(group);
+    command.add_option("--creasing", options.creasing, "Creasing method (default uniform)")
+        ->check(CLI::IsMember(names(kCreasing)))
+        ->group(group);
+    command.add_option("--triangles", options.triangles, "Catmull-Clark weights at triangles (default catmark)")
+        ->check(CLI::IsMember(names(kTriangles)))
+        ->group(group);
+    command.add_option("--fvar", options.face_varying, "Linear parts of texture coordinates (default all)")
+        ->check(CLI::IsMember(names(kFaceVarying)))
+        ->group(group);
+    command.add_option("--compat", options.compat, "Reproduce OpenSubdiv where it departs from its own limit")
+        ->check(CLI::IsMember(std::vector<std::string>{"none", "opensubdiv"}))
+        ->capture_default_str()
+        ->group(group);
+}
+
+Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options) {
+    Result<Model> model = read_obj(path);
+    if (!model) return model.error();
+    override_tag(model->boundary, kBoundaries, options.boundary);
+    override_tag(model->creasing, kCreasing, options.creasing);
+    override_tag(model->triangles, kTriangles, options.triangles);
+    override_tag(model->face_varying, kFaceVarying, options.face_varying);
+    SchemeOptions defaults;
+    defaults.scheme = value_of(kSchemes, options.scheme);
+    defaults.opensubdiv_compatible = options.compat == "opensubdiv";
+    Result<ControlMesh> mesh = ControlMesh::create(describe(*model, defaults));
+    if (!mesh) return name_file(mesh.error(), path);
+    return LoadedModel{std::move(*model), std::move(*mesh)};
+}
+
+void add_device_option(CLI::App& command, DeviceOption& option) {
+    command
+        .add_option("--device", option.device,
+                    "Vulkan device: a number from 'limn devices'; 'cpu' for the host without Vulkan; "
+                    "'auto' for the first discrete GPU, else what there is")
+        ->check([](const std::string& text) -> std::string {
+            if (text == "cpu" || text == "auto") return {};
+            const bool number = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == text.npos;
+            return number ? "" : "a device is a number, 'cpu' or 'auto', not '" + text + "'";
+        })
+        ->capture_default_str();
+    command.add_flag("--validation", option.validation, "Run under the Khronos validation layer; any message is an error");
+}
+
+Progress::Progress() : visible_(isatty(STDERR_FILENO) != 0) {}
+Progress::~Progress() {
+    if (visible_) std::fputs("\r\033[K", stderr);
+}
+void Progress::show(const std::string& what) {
+    if (!visible_) return;
+    std::fprintf(stderr, "\r\033[K%s ...", what.c_str());
+    std::fflush(stderr);
+}
+
+std::string plural(uint64_t count, const char* noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string human_bytes(uint64_t bytes) {
+    const char* units[] = {"B", "KB", "MB", "GB"};
+    double value = static_cast<double>(bytes);
+    size_t unit = 0;
+    for (; value >= 1000 && unit < 3; ++unit) value /= 1000;
+    char text[32];
+    std::snprintf(text, sizeof text, unit == 0 ? "%.0f %s" : "%.2f %s", value, units[unit]);
+    return text;
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,66 @@
+// What the commands of the program share: options, models, errors, progress.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limn/control_mesh.h"
+#include "limn/obj.h"
+#include "limn/result.h"
+
+namespace limn::cli {
+
+// Exit statuses are a contract with scripts.
+inline constexpr int kBadInput = 1;
+inline constexpr int kBadUsage = 2;
+inline constexpr int kNoDevice = 3;
+
+/// One line on standard error; the exit status that goes with the error.
+int fail(const Error& error);
+
+/// Options about the surface. What the command line says goes before the model's tags, and those before defaults.
+struct SurfaceOptions {
+    std::string scheme = "catmark";
+    std::optional<std::string> boundary, creasing, triangles, face_varying;
+    std::string compat = "none";
+};
+void add_surface_options(CLI::App& command, SurfaceOptions& options);
+
+/// A model file as a checked control mesh.
+struct LoadedModel {
+    Model model;
+    ControlMesh mesh;
+};
+/// Error::message is one line that names the file and, where one is to blame, the line.
+Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options);
+
+/// --device: an index of `limn devices`, or "cpu" for limn's own code on the host, without Vulkan.
+struct DeviceOption {
+    std::string device = "auto";
+    bool validation = false;
+};
+void add_device_option(CLI::App& command, DeviceOption& option);
+
+/// A line on standard error that is rewritten as work goes on; nothing where that is no terminal.
+class Progress {
+  public:
+    Progress();
+    ~Progress();
+    void show(const std::string& what);
+
+  private:
+    bool visible_;
+};
+
+std::string plural(uint64_t count, const char* noun);
+std::string human_bytes(uint64_t bytes);
+
+// One function a command: adds it to the program.
+void add_info(CLI::App& program, int& status);
+void add_refine(CLI::App& program, int& status);
+void add_check(CLI::App& program, int& status);
+void add_devices(CLI::App& program, int& status);
+
+}  // namespace limn::cli

@@ -1,0 +1,153 @@
+// limn refine: a model, uniformly refined, as OBJ or PLY.
+#include <cmath>
+
+#include "cli/point_runner.h"
+#include "limn/ply.h"
+#include "limn/refinement.h"
+
+namespace limn::cli {
+namespace {
+
+struct Options {
+    std::string model, output;
+    uint32_t level = 1;
+    bool limit = false;
+    SurfaceOptions surface;
+    DeviceOption device;
+};
+
+/// Everything that is written, held where MeshOutput can refer to it.
+struct RefinedMesh {
+    Topology topology;  ///< the last level: faces and holes
+    std::vector<float> positions, normals, texture_coordinates;
+    std::vector<uint32_t> face_texture_coordinates, face_sizes;
+};
+
+bool ends_with(const std::string& text, const char* ending) {
+    const std::string tail(ending);
+    return text.size() >= tail.size() && text.compare(text.size() - tail.size(), tail.size(), tail) == 0;
+}
+
+Result<std::vector<StencilTable>> build_chain(const Refinement& refinement) {
+    std::vector<StencilTable> tables;
+    for (uint32_t level = 1; level < refinement.level_count(); ++level) {
+        Result<StencilTable> table = build_step_table<float>(refinement, level);
+        if (!table) return table.error();
+        tables.push_back(std::move(*table));
+    }
+    return tables;
+}
+
+std::vector<float> normals_of(const LimitPoints& limits) {
+    std::vector<float> normals(limits.positions.size());
+    for (size_t i = 0; i < normals.size(); i += 3) {
+        const float* a = limits.tangents1.data() + i;
+        const float* b = limits.tangents2.data() + i;
+        double n[3] = {double(a[1]) * b[2] - double(a[2]) * b[1], double(a[2]) * b[0] - double(a[0]) * b[2],
+                       double(a[0]) * b[1] - double(a[1]) * b[0]};
+        const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (size_t k = 0; k < 3; ++k)  // no tangent plane there: any unit vector will do
+            normals[i + k] = length > 0 ? static_cast<float>(n[k] / length) : k == 2 ? 1.0f : 0.0f;
+    }
+    return normals;
+}
+
+Result<void> refine_positions(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
+                              Progress& progress, RefinedMesh& out) {
+    progress.show("refining " + plural(loaded.mesh.face_count(), "face"));
+    Result<Refinement> refinement = build_refinement(loaded.mesh, {options.level, false});
+    if (!refinement) return refinement.error();
+    progress.show("building stencils");
+    if (options.limit) {
+        Result<StencilTable> table = build_limit_table<float>(*refinement, options.level, true);
+        if (!table) return table.error();
+        progress.show("evaluating on " + runner.name());
+        Result<LimitPoints> limits = runner.run_limits(*table, loaded.model.positions);
+        if (!limits) return limits.error();
+        out.normals = normals_of(*limits);
+        out.positions = std::move(limits->positions);
+    } else {
+        Result<std::vector<StencilTable>> tables = build_chain(*refinement);
+        if (!tables) return tables.error();
+        progress.show("evaluating on " + runner.name());
+        Result<std::vector<float>> points = runner.run(*tables, loaded.model.positions, 3);
+        if (!points) return points.error();
+        out.positions = std::move(*points);
+    }
+    out.topology = std::move(refinement->levels.back());
+    return {};
+}
+
+Result<void> refine_texture_coordinates(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
+                                        Progress& progress, RefinedMesh& out) {
+    if (loaded.mesh.channels.empty()) return {};
+    progress.show("refining texture coordinates");
+    Result<Refinement> refinement = build_face_varying_refinement(loaded.mesh, 0, {options.level, false});
+    if (!refinement) return refinement.error();
+    Result<StencilTable> table = options.limit ? build_limit_table<float>(*refinement, options.level)
+                                               : build_stencil_table<float>(*refinement, options.level);
+    if (!table) return table.error();
+    Result<std::vector<float>> values = runner.run({&*table, 1}, loaded.model.texture_coordinates, 2);
+    if (!values) return values.error();
+    out.texture_coordinates = std::move(*values);
+    const Topology& last = refinement->last();
+    out.face_texture_coordinates.assign(last.face_vertices.begin(), last.face_vertices.end());
+    return {};
+}
+
+Result<void> write_mesh(const Options& options, RefinedMesh& mesh) {
+    MeshOutput output;
+    output.positions = mesh.positions;
+    output.normals = mesh.normals;
+    output.texture_coordinates = mesh.texture_coordinates;
+    output.face_texture_coordinates = mesh.face_texture_coordinates;
+    output.face_size = mesh.topology.face_size;
+    if (output.face_size == 0) {
+        for (uint32_t f = 0; f < mesh.topology.face_count; ++f)
+            mesh.face_sizes.push_back(mesh.topology.size_of_face(f));
+        output.face_sizes = mesh.face_sizes;
+    }
+    output.face_vertices = mesh.topology.face_vertices;
+    output.face_skip = mesh.topology.face_holes;
+    return ends_with(options.output, ".ply") ? write_ply(options.output, output) : write_obj(options.output, output);
+}
+
+int run(const Options& options) {
+    Progress progress;
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return fail(loaded.error());
+    const Result<PointRunner> runner = PointRunner::create(options.device);
+    if (!runner) return fail(runner.error());
+    RefinedMesh mesh;
+    if (auto done = refine_positions(options, *loaded, *runner, progress, mesh); !done) return fail(done.error());
+    if (auto done = refine_texture_coordinates(options, *loaded, *runner, progress, mesh); !done)
+        return fail(done.error());
+    if (auto silent = runner->check_validation(); !silent) return fail(silent.error());
+    progress.show("writing " + options.output);
+    if (auto done = write_mesh(options, mesh); !done) return fail(done.error());
+    return 0;
+}
+
+}  // namespace
+
+void add_refine(CLI::App& program, int& status) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command = program.add_subcommand("refine", "Refine a model uniformly and write it as OBJ or PLY");
+    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("--level", options->level, "Refinement level, 0 to 10: every level has four times the faces")
+        ->check(CLI::Range(0u, kMaxRefinementLevel))
+        ->capture_default_str();
+    command->add_flag("--limit", options->limit, "Move the vertices to the limit surface, with its normals");
+    command->add_option("-o,--output", options->output, "File to write: .obj or .ply (binary)")
+        ->required()
+        ->check([](const std::string& path) {
+            return ends_with(path, ".obj") || ends_with(path, ".ply") ? std::string()
+                                                                      : "'" + path + "' is neither .obj nor .ply";
+        });
+    add_surface_options(*command, options->surface);
+    add_device_option(*command, options->device);
+    command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace limn::cli
