@@ -264,6 +264,8 @@ struct SharedRows {
 template <class Real>
 void share_rows(const Supports& s, const Weights& w, SharedRows<Real>& out) {
     const size_t rows = w.stride == 0 ? 0 : w.rows.size() / w.stride;
+    out.positions.reserve(rows * 16);
+    out.weights.reserve(rows * 16);
     out.offsets.assign(1, 0);
     for (size_t r = 0; r < rows; ++r) {
         for (uint32_t word = 0; word < s.words; ++word)

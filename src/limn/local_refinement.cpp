@@ -125,7 +125,7 @@ void extract_vertices(Extraction& x) {
 Topology extract(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices) {
     Topology to;
     vertices.clear();
-    Extraction x{from, faces, to, vertices, {}, {}, {}, {}};
+    Extraction x{from,     faces, to, vertices, {}, IndexMap(from.vertex_count), IndexMap(from.edge_count), IndexMap(from.face_count)};
     extract_corners(x);
     extract_edges(x);
     extract_vertices(x);
