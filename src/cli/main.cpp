@@ -1,6 +1,9 @@
 // The program limn. Commands, options and formats are a contract: scripts rely on them.
 #include "cli/program.h"
 
+#include <algorithm>
+#include <cstdio>
+
 int main(int argc, char** argv) {
     int status = 0;
     CLI::App program{
@@ -15,6 +18,14 @@ int main(int argc, char** argv) {
     limn::cli::add_refine(program, status);
     limn::cli::add_check(program, status);
     limn::cli::add_devices(program, status);
+    const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
+    const bool known = argc < 2 || argv[1][0] == '-' ||
+                       std::any_of(commands.begin(), commands.end(),
+                                   [&](const CLI::App* command) { return command->get_name() == argv[1]; });
+    if (!known) {
+        std::fprintf(stderr, "limn: there is no command '%s'; see limn --help\n", argv[1]);
+        return limn::cli::kBadUsage;
+    }
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

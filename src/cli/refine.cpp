@@ -1,4 +1,5 @@
 // limn refine: a model, uniformly refined, as OBJ or PLY.
+#include <algorithm>
 #include <cmath>
 
 #include "cli/point_runner.h"
@@ -18,7 +19,7 @@ struct Options {
 
 /// Everything that is written, held where MeshOutput can refer to it.
 struct RefinedMesh {
-    Topology topology;  ///< the last level: faces and holes
+    Topology topology;  ///< faces and holes of the last level, nothing else
     std::vector<float> positions, normals, texture_coordinates;
     std::vector<uint32_t> face_texture_coordinates, face_sizes;
 };
@@ -52,29 +53,59 @@ std::vector<float> normals_of(const LimitPoints& limits) {
     return normals;
 }
 
+/// Takes the faces of the last level out of a refinement that is not needed any more.
+void keep_faces(Refinement& refinement, Topology& out) {
+    Topology& last = refinement.levels.back();
+    out.options = last.options;
+    out.vertex_count = last.vertex_count;
+    out.face_count = last.face_count;
+    out.face_size = last.face_size;
+    out.face_offsets = std::move(last.face_offsets);
+    out.face_vertices = std::move(last.face_vertices);
+    out.face_holes = std::move(last.face_holes);
+    refinement = {};
+}
+
+/// Limits from the last points of a chain where those are past all semi-sharp features, else from the control points.
+Result<LimitPoints> evaluate_limits(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
+                                    Refinement& refinement, Topology& faces) {
+    const bool chained = options.level >= std::max(1u, count_sharp_levels(refinement.levels[0]));
+    if (!chained) {
+        Result<StencilTable> table = build_limit_table<float>(refinement, options.level, true);
+        if (!table) return table.error();
+        keep_faces(refinement, faces);
+        return runner.run_limits(*table, loaded.model.positions);
+    }
+    Result<std::vector<StencilTable>> tables = build_chain(refinement);
+    if (!tables) return tables.error();
+    Result<std::vector<float>> points = runner.run(*tables, loaded.model.positions, 3);
+    if (!points) return points.error();
+    tables->clear();
+    Result<StencilTable> table = build_limit_step_table<float>(refinement, true);
+    if (!table) return table.error();
+    keep_faces(refinement, faces);
+    return runner.run_limits(*table, *points);
+}
+
 Result<void> refine_positions(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
                               Progress& progress, RefinedMesh& out) {
     progress.show("refining " + plural(loaded.mesh.face_count(), "face"));
-    Result<Refinement> refinement = build_refinement(loaded.mesh, {options.level, false});
+    Result<Refinement> refinement = build_refinement(loaded.mesh, {options.level, options.limit});
     if (!refinement) return refinement.error();
-    progress.show("building stencils");
+    progress.show("evaluating stencils on " + runner.name());
     if (options.limit) {
-        Result<StencilTable> table = build_limit_table<float>(*refinement, options.level, true);
-        if (!table) return table.error();
-        progress.show("evaluating on " + runner.name());
-        Result<LimitPoints> limits = runner.run_limits(*table, loaded.model.positions);
+        Result<LimitPoints> limits = evaluate_limits(options, loaded, runner, *refinement, out.topology);
         if (!limits) return limits.error();
         out.normals = normals_of(*limits);
         out.positions = std::move(limits->positions);
     } else {
         Result<std::vector<StencilTable>> tables = build_chain(*refinement);
         if (!tables) return tables.error();
-        progress.show("evaluating on " + runner.name());
         Result<std::vector<float>> points = runner.run(*tables, loaded.model.positions, 3);
         if (!points) return points.error();
         out.positions = std::move(*points);
+        keep_faces(*refinement, out.topology);
     }
-    out.topology = std::move(refinement->levels.back());
     return {};
 }
 

@@ -1,7 +1,6 @@
 #include "limn/local_refinement.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "limn/index_map.h"
 #include "limn/topology_build.h"
@@ -165,15 +164,6 @@ std::vector<uint32_t> faces_around(const Topology& t, const std::vector<uint32_t
     return faces;
 }
 
-/// Levels after which no finite sharpness is left.
-uint32_t sharp_levels(const Topology& t) {
-    float largest = 0;
-    auto look_at = [&](float s) { largest = is_infinite(s) ? largest : std::max(largest, s); };
-    for (const float s : t.edge_sharpness) look_at(s);
-    for (const float s : t.vertex_sharpness) look_at(s);
-    return static_cast<uint32_t>(std::ceil(largest));
-}
-
 /// Old numbers of vertices -> positions in `vertices`.
 void renumber(const std::vector<uint32_t>& vertices, std::vector<uint32_t>& numbers) {
     IndexMap map;
@@ -202,7 +192,7 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
     uint32_t last = options.level;
     if (options.to_limit) {
         last = std::max(last, 1u);
-        if (!base.options.opensubdiv_compatible) last = std::max(last, sharp_levels(out.levels[0]));
+        if (!base.options.opensubdiv_compatible) last = std::max(last, count_sharp_levels(out.levels[0]));
     }
     uint32_t centre_count = 1;
     for (uint32_t level = 0;; ++level) {

@@ -3,6 +3,7 @@
 #include "limn/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "limn/local_refinement.h"
@@ -276,6 +277,14 @@ void copy_half_edge_sharpness(const Topology& uncut, Topology& channel) {
         channel.half_edge_sharpness[2 * to + to_end] = uncut.half_edge_sharpness[2 * from + from_end];
         channel.half_edge_sharpness[2 * to + 1 - to_end] = uncut.half_edge_sharpness[2 * from + 1 - from_end];
     }
+}
+
+uint32_t count_sharp_levels(const Topology& level) {
+    float largest = 0;
+    auto look_at = [&](float s) { largest = is_infinite(s) ? largest : std::max(largest, s); };
+    for (const float s : level.edge_sharpness) look_at(s);
+    for (const float s : level.vertex_sharpness) look_at(s);
+    return static_cast<uint32_t>(std::ceil(largest));
 }
 
 Result<std::vector<LevelCounts>> count_levels(const Topology& base, uint32_t level) {

@@ -119,6 +119,55 @@ Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, 
                          {level, Interpolation::vertex, tangents ? Target::limit_with_tangents : Target::limit});
 }
 
+template <class Real>
+Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents) {
+    const Topology& last = refinement.last();
+    const uint32_t size = last.options.scheme == Scheme::loop ? 3 : 4;
+    if (last.face_edges.empty())
+        return Error{ErrorCode::unsupported, "limits of a level need a refinement built with full_last_level"};
+    if (last.face_size != size && last.options.scheme != Scheme::bilinear)
+        return Error{ErrorCode::unsupported,
+                     "limits of a level need faces of " + std::to_string(size) + " vertices: refine at least once"};
+    BasicStencilTable<Real> table;
+    table.source_count = last.vertex_count;
+    table.offsets.allocate(size_t{last.vertex_count} + 1);
+    table.offsets.back() = 0;
+    for_each_row(last.vertex_count, [&](uint32_t v, Row& row) {
+        std::vector<TangentWeights> ignored;
+        limit_row(last, v, row, ignored);
+        merge_repeated(row);
+        table.offsets[v] = static_cast<uint32_t>(row.size());
+    });
+    if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
+    const size_t entries = table.offsets.back();
+    table.indices.allocate(entries);
+    table.weights.allocate(entries);
+    if (tangents) {
+        table.tangent1_weights.allocate(entries);
+        table.tangent2_weights.allocate(entries);
+    }
+    for_each_row(last.vertex_count, [&](uint32_t v, Row& row) {
+        std::vector<TangentWeights> weights;
+        limit_row(last, v, row, weights);
+        // Tangents go through the same merging as positions: one row for each, same indices.
+        Row rows[3] = {row, row, row};
+        for (size_t k = 0; k < row.size(); ++k) {
+            rows[1][k].weight = weights[k].tangent1;
+            rows[2][k].weight = weights[k].tangent2;
+        }
+        for (Row& r : rows) merge_repeated(r);
+        const size_t at = table.offsets[v];
+        for (size_t k = 0; k < rows[0].size(); ++k) {
+            table.indices[at + k] = rows[0][k].index;
+            table.weights[at + k] = static_cast<Real>(rows[0][k].weight);
+            if (!tangents) continue;
+            table.tangent1_weights[at + k] = static_cast<Real>(rows[1][k].weight);
+            table.tangent2_weights[at + k] = static_cast<Real>(rows[2][k].weight);
+        }
+    });
+    return table;
+}
+
 Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level) {
     Array<uint32_t> faces;
     faces.allocate(refinement.levels[level].face_count);
@@ -146,7 +195,8 @@ void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const R
     template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation); \
     template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t,              \
                                                                  Interpolation);                           \
-    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);                   \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);                 \
+    template Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement&, bool);                   \
     template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>,               \
                                       std::span<Real>, uint32_t);
 LIMN_INSTANTIATE(float)

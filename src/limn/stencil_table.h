@@ -61,6 +61,14 @@ Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement
 template <class Real>
 Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level, bool tangents = false);
 
+/// The limit positions and tangents of the vertices of the last level from the points of that level: the last link of a
+/// chain of step tables, far smaller than one table over the control points. Row r is vertex r. The same values as
+/// build_limit_table's where the level is at least count_sharp_levels(base); before that the rules of the level hold.
+/// Errors: unsupported when the last level was not built with full_last_level or has faces of other sizes than the
+/// scheme's own (refine at least once); too_large.
+template <class Real>
+Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents = false);
+
 /// The base face that each face of the level descends from: face_count entries. What face-uniform data needs.
 Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level);
 
