@@ -108,6 +108,7 @@ struct Job {
 
     const Topology& base() const { return refinement.levels[0]; }
     const Block& block(uint32_t f) const { return blocks.at(base().size_of_face(f)); }
+    const Topology* uncut() const { return refinement.uncut.empty() ? nullptr : &refinement.uncut[0]; }
     bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
@@ -151,9 +152,8 @@ void write_step(Program& program, std::vector<uint32_t>& positions, Program::Ste
 /// Works back from the targets over a face to its ring.
 void write_program(const Job& job, const Member& member, Neighborhood& hood, Program& program) {
     const bool limit = job.options.target != Target::refined;
-    read_neighborhood(job.base(), member.face, job.with_tangents(), hood);
-    LocalRefinementOptions options{job.options.level, limit, nullptr};
-    if (!job.refinement.uncut.empty()) options.uncut = &job.refinement.uncut[0];
+    read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
+    const LocalRefinementOptions options{job.options.level, limit, job.uncut()};
     refine_locally(job.base(), hood.faces, job.block(member.face).rotated[member.rotation], options, program.local);
     const std::vector<Topology>& levels = program.local.levels;
     const size_t step_count = levels.size() - 1 + (limit ? 1 : 0);
@@ -303,7 +303,7 @@ void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>&
 template <class Real>
 void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows, BasicStencilTable<Real>& table,
                 Neighborhood& hood, std::vector<uint32_t>& vertices) {
-    read_neighborhood(job.base(), member.face, job.with_tangents(), hood);
+    read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
     const Array<uint32_t>& map = job.refinement.control_indices;
     if (!map.empty())
         for (uint32_t& point : hood.ring) point = map[point];
@@ -327,13 +327,14 @@ struct Groups {
     std::vector<uint32_t> first;  ///< one more than groups
 };
 
-Groups group_faces(const Topology& base, bool with_starts) {
+Groups group_faces(const Job& job) {
+    const Topology& base = job.base();
     Groups groups;
     groups.members.resize(base.face_count);
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
         Neighborhood hood;
         for (uint32_t f = range.begin(); f != range.end(); ++f) {
-            read_neighborhood(base, f, with_starts, hood);
+            read_neighborhood(base, job.uncut(), f, job.with_tangents(), hood);
             groups.members[f] = {hash_signature(hood.signature), f, hood.rotation};
         }
     });
@@ -432,7 +433,7 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
         if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
         if (base.face_size != 0) break;
     }
-    const Groups groups = group_faces(base, job.with_tangents());
+    const Groups groups = group_faces(job);
     BasicStencilTable<Real> table;
     table.source_count = refinement.control_count;
     table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);

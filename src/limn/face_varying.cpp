@@ -125,6 +125,13 @@ uint32_t sharpen_pairs(const Rules& rules, const CutVertex& c) {
     return is_infinite(c.t.vertex_sharpness[follower]) ? kInvalidIndex : follower;
 }
 
+float largest_seam_sharpness(const Topology& base, const Array<uint8_t>& cut, uint32_t v) {
+    float largest = 0;
+    for (const uint32_t e : base.edges_of_vertex(v))
+        if (cut[e] != 0 && !is_infinite(base.edge_sharpness[e])) largest = std::max(largest, base.edge_sharpness[e]);
+    return largest;
+}
+
 void assign_rules(Topology& t) {
     for_each_index(t.vertex_count, [&](uint32_t v) {
         uint32_t sharp = 0;
@@ -184,6 +191,7 @@ Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& ba
     const FaceVaryingInterpolation interpolation = mesh.channels[channel].interpolation;
     const Rules rules(mesh, interpolation);
     std::vector<uint32_t> dependent;
+    std::vector<float> seam_sharpness;
     for (uint32_t v = 0; v < base.vertex_count; ++v) {
         const uint32_t count = first_pair[v + 1] - first_pair[v];
         if (count == 0) continue;
@@ -191,9 +199,12 @@ Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& ba
         if (follower == kInvalidIndex) continue;
         dependent.push_back(follower);
         dependent.push_back(2 * first_pair[v] + 1 - follower);
+        seam_sharpness.push_back(largest_seam_sharpness(base, cut, v));
     }
     t.dependent_vertices.allocate(dependent.size());
     std::copy(dependent.begin(), dependent.end(), t.dependent_vertices.begin());
+    t.dependent_seam_sharpness.allocate(seam_sharpness.size());
+    std::copy(seam_sharpness.begin(), seam_sharpness.end(), t.dependent_seam_sharpness.begin());
     if (interpolation == FaceVaryingInterpolation::all) make_linear(t);
     t.vertex_rules.allocate(t.vertex_count);
     assign_rules(t);

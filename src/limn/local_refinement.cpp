@@ -98,6 +98,7 @@ void extract_vertices(Extraction& x) {
     to.vertex_manifold.allocate(to.vertex_count);
     uint32_t corner_at = 0, edge_at = 0;
     std::vector<uint32_t> dependent;
+    std::vector<float> seam_sharpness;
     for (uint32_t i = 0; i < to.vertex_count; ++i) {
         const uint32_t v = x.vertices[i];
         to.vertex_corner_offsets[i] = corner_at;
@@ -110,15 +111,19 @@ void extract_vertices(Extraction& x) {
         to.vertex_sharpness[i] = from.vertex_sharpness[v];
         to.vertex_rules[i] = from.vertex_rules[v];
         to.vertex_manifold[i] = from.vertex_manifold[v];
-        if (const uint32_t leader = from.leading_vertex(v); leader != v) {
-            const uint32_t local = x.local_vertex.find(leader);
-            if (local != IndexMap::kMissing) dependent.insert(dependent.end(), {i, local});
-        }
+        const size_t pair = from.find_dependent(v);
+        if (pair == Topology::kNotDependent) continue;
+        const uint32_t leader = x.local_vertex.find(from.dependent_vertices[2 * pair + 1]);
+        if (leader == IndexMap::kMissing) continue;
+        dependent.insert(dependent.end(), {i, leader});
+        seam_sharpness.push_back(from.dependent_seam_sharpness[pair]);
     }
     to.vertex_corner_offsets.back() = corner_at;
     to.vertex_edge_offsets.back() = edge_at;
     to.dependent_vertices.allocate(dependent.size());
     std::copy(dependent.begin(), dependent.end(), to.dependent_vertices.begin());
+    to.dependent_seam_sharpness.allocate(seam_sharpness.size());
+    std::copy(seam_sharpness.begin(), seam_sharpness.end(), to.dependent_seam_sharpness.begin());
 }
 
 Topology extract(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices) {
@@ -144,7 +149,7 @@ void append_faces_around(const Topology& t, std::vector<uint8_t>& flags, std::ve
     }
 }
 
-/// The first `centre_count` faces and all that touch them.
+/// The first `centre_count` faces and, after them, all that touch them.
 std::vector<uint32_t> faces_touching(const Topology& t, uint32_t centre_count) {
     std::vector<uint32_t> faces(centre_count);
     std::vector<uint8_t> flags(t.vertex_count, 0);
@@ -156,11 +161,17 @@ std::vector<uint32_t> faces_touching(const Topology& t, uint32_t centre_count) {
     return faces;
 }
 
-std::vector<uint32_t> faces_around(const Topology& t, const std::vector<uint32_t>& vertices) {
+/// The faces around some vertices of t; with `uncut`, whose corners are those of t, also the ones beyond seams there.
+std::vector<uint32_t> faces_around(const Topology& t, const Topology* uncut, const std::vector<uint32_t>& vertices) {
     std::vector<uint32_t> faces;
     std::vector<uint8_t> flags(t.vertex_count, 0);
     for (const uint32_t v : vertices) flags[v] = 1;
     append_faces_around(t, flags, faces);
+    if (uncut == nullptr) return faces;
+    std::vector<uint8_t> uncut_flags(uncut->vertex_count, 0);
+    for (uint32_t c = 0; c < t.corner_count(); ++c)
+        if (flags[t.face_vertices[c]] != 0) uncut_flags[uncut->face_vertices[c]] = 1;
+    append_faces_around(*uncut, uncut_flags, faces);
     return faces;
 }
 
@@ -207,10 +218,11 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
         Topology child = refine_once(parent, full);
         centre_count = centre_children(parent, centre_count);
         if (full) {
+            if (chaikin) uncut = refine_once(uncut, true);
             const bool beyond = level >= options.level;
-            const std::vector<uint32_t> kept =
-                beyond ? faces_around(child, out.targets) : faces_touching(child, centre_count);
-            if (chaikin) uncut = extract(refine_once(uncut, true), kept, vertices);
+            const std::vector<uint32_t> kept = beyond ? faces_around(child, chaikin ? &uncut : nullptr, out.targets)
+                                                      : faces_touching(chaikin ? uncut : child, centre_count);
+            if (chaikin) uncut = extract(uncut, kept, vertices);
             child = extract(child, kept, vertices);
             if (beyond) renumber(vertices, out.targets);
             out.children.push_back(vertices);

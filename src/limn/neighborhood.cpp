@@ -31,8 +31,9 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
     return best;
 }
 
-/// The star of the vertex at `corner`: counter-clockwise from that corner where it is closed, else as listed.
-void read_star(const Topology& t, uint32_t corner, bool with_starts, Neighborhood& out) {
+/// The star, in `t`, of the vertex at `corner`: counter-clockwise from that corner where it is closed, else as listed.
+/// Its vertices are told as those of `base`, whose corners are the same.
+void read_star(const Topology& t, const Topology& base, uint32_t corner, bool with_starts, Neighborhood& out) {
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
@@ -51,14 +52,15 @@ void read_star(const Topology& t, uint32_t corner, bool with_starts, Neighborhoo
         if (out.face_map.find_or_insert(f, next_face) == next_face) out.faces.push_back(f);
         put(size);
         for (uint32_t k = 0, at = c; k < size; ++k, at = at + 1 == begin + size ? begin : at + 1)
-            put(out.local(t.face_vertices[at]));
+            put(out.local(base.face_vertices[at]));
     }
     for (size_t i = 0; i < edges.size(); ++i) {
-        const uint32_t e = edges[(i + shift) % edges.size()];
+        const uint32_t e = edges[(i + shift) % edges.size()], c = t.corners_of_edge(e)[0];
         const uint32_t end = t.edge_vertices[2 * e] == v ? 0 : 1;
-        put(out.local(t.other_vertex(e, v)));
+        const uint32_t other = t.face_vertices[c] == v ? t.next_corner(c) : c;
+        put(out.local(base.face_vertices[other]));
         put(bits(t.edge_sharpness[e]));
-        if (with_starts) put(t.face_of_corner(t.corners_of_edge(e)[0]) == out.faces[0]);
+        if (with_starts) put(t.face_of_corner(c) == out.faces[0]);
         if (t.half_edge_sharpness.empty()) continue;
         put(bits(t.half_edge_sharpness[2 * e + end]));
         put(bits(t.half_edge_sharpness[2 * e + 1 - end]));
@@ -67,7 +69,7 @@ void read_star(const Topology& t, uint32_t corner, bool with_starts, Neighborhoo
 
 }  // namespace
 
-void read_neighborhood(const Topology& t, uint32_t f, bool with_starts, Neighborhood& out) {
+void read_neighborhood(const Topology& t, const Topology* uncut, uint32_t f, bool with_starts, Neighborhood& out) {
     out.ring.clear();
     out.faces.assign(1, f);
     out.signature.clear();
@@ -79,9 +81,12 @@ void read_neighborhood(const Topology& t, uint32_t f, bool with_starts, Neighbor
     auto corner = [&](uint32_t i) { return begin + (out.rotation + i) % size; };
     for (uint32_t i = 0; i < size; ++i) out.local(t.face_vertices[corner(i)]);
     for (uint32_t i = 0; i < size; ++i) {
-        const uint32_t v = t.face_vertices[corner(i)], leader = t.leading_vertex(v);
-        read_star(t, corner(i), with_starts, out);
-        if (leader != v) read_star(t, t.corners_of_vertex(leader)[0], with_starts, out);
+        read_star(t, t, corner(i), with_starts, out);
+        if (uncut != nullptr) read_star(*uncut, t, corner(i), with_starts, out);
+        const size_t pair = t.find_dependent(t.face_vertices[corner(i)]);
+        if (pair == Topology::kNotDependent) continue;
+        out.signature.push_back(bits(t.dependent_seam_sharpness[pair]));
+        read_star(t, t, t.corners_of_vertex(t.dependent_vertices[2 * pair + 1])[0], with_starts, out);
     }
 }
 

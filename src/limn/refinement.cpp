@@ -226,6 +226,18 @@ void for_each_edge_end(const Topology& t, uint32_t v, const Body& body) {
     }
 }
 
+void split_dependent_vertices(const Topology& p, Topology& t) {
+    t.dependent_vertices = p.dependent_vertices;
+    t.dependent_seam_sharpness = p.dependent_seam_sharpness;
+    for (size_t i = 0; i < p.dependent_seam_sharpness.size(); ++i) {
+        const uint32_t v = p.dependent_vertices[2 * i], leader = p.dependent_vertices[2 * i + 1];
+        const float seam = child_sharpness(p.dependent_seam_sharpness[i]);
+        const bool released = p.vertex_rules[leader] == VertexRule::corner && t.vertex_rules[leader] != VertexRule::corner;
+        t.vertex_rules[v] = released && seam > 0 ? VertexRule::corner : t.vertex_rules[leader];
+        t.dependent_seam_sharpness[i] = seam;
+    }
+}
+
 void split_vertices(const Split& s, bool full) {
     const Topology& p = s.parent;
     Topology& t = s.child;
@@ -248,9 +260,7 @@ void split_vertices(const Split& s, bool full) {
         for_each_edge_end(p, v,
                           [&](uint32_t e, uint32_t end) { t.vertex_edges[at++] = s.half_edge(e, end); });
     });
-    for (size_t i = 0; i < p.dependent_vertices.size(); i += 2)
-        t.vertex_rules[p.dependent_vertices[i]] = t.vertex_rules[p.dependent_vertices[i + 1]];
-    t.dependent_vertices = p.dependent_vertices;
+    split_dependent_vertices(p, t);
 }
 
 }  // namespace

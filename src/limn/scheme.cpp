@@ -6,18 +6,10 @@
 
 namespace limn {
 
-float child_edge_sharpness(CreasingMethod creasing, float sharpness, std::span<const float> around) {
-    if (creasing == CreasingMethod::uniform || sharpness <= 0 || is_infinite(sharpness))
+float child_edge_sharpness(CreasingMethod creasing, float sharpness, const SemiSharpEdges& around) {
+    if (creasing == CreasingMethod::uniform || sharpness <= 0 || is_infinite(sharpness) || around.count < 2)
         return child_sharpness(sharpness);
-    float sum = 0;
-    uint32_t count = 0;
-    for (const float s : around) {
-        if (s <= 0 || is_infinite(s)) continue;
-        sum += s;
-        ++count;
-    }
-    if (count < 2) return child_sharpness(sharpness);
-    const float others = (sum - sharpness) / static_cast<float>(count - 1);
+    const float others = (around.sum - sharpness) / static_cast<float>(around.count - 1);
     return std::max(0.0f, 0.75f * sharpness + 0.25f * others - 1.0f);
 }
 

@@ -68,9 +68,20 @@ inline float child_sharpness(float sharpness) {
     return sharpness > 1.0f ? sharpness - 1.0f : 0.0f;
 }
 
-/// Sharpness of the child of an edge next to the vertex whose edges have sharpness `around` (that edge
-/// included). Chaikin: 3/4 of its own and 1/4 of the mean of the other semi-sharp edges there, less one.
-float child_edge_sharpness(CreasingMethod creasing, float sharpness, std::span<const float> around);
+/// The edges of finite, non-zero sharpness around a vertex.
+struct SemiSharpEdges {
+    float sum = 0;
+    uint32_t count = 0;
+    void add(float sharpness) {
+        if (sharpness <= 0 || is_infinite(sharpness)) return;
+        sum += sharpness;
+        ++count;
+    }
+};
+
+/// Sharpness of the child of an edge next to a vertex, `around` counting that edge, too.
+/// Chaikin: 3/4 of its own and 1/4 of the mean of the other semi-sharp edges there, less one.
+float child_edge_sharpness(CreasingMethod creasing, float sharpness, const SemiSharpEdges& around);
 
 /// Edge point: `smooth` is the share of the smooth mask, the rest is the midpoint. `child_rule` is the rule
 /// of the child vertex; both child edges are sharp when it is a crease.

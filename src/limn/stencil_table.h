@@ -15,9 +15,10 @@ enum class Interpolation : uint8_t {
     varying,  ///< linear within each face
 };
 
-/// Compressed sparse rows. Row r is sum over k in [offsets[r], offsets[r + 1]) of weights[k] *
-/// source[indices[k]]. Indices within a row are unique and ascending; the weights of a row sum to one (of a
-/// tangent row to zero). Real is float (what devices take) or double (what weights are computed in).
+/// Compressed sparse rows. Row r is sum over k in [offsets[r], offsets[r + 1]) of weights[k] * source[indices[k]].
+/// Indices within a row are unique. Rows around alike vertices list their entries in the same order, so that equal rows
+/// have equal weights, entry by entry. The weights of a row sum to one (of a tangent row to zero).
+/// Real is float (what devices take) or double (what weights are computed in).
 template <class Real>
 struct BasicStencilTable {
     uint32_t source_count = 0;     ///< points that rows refer to

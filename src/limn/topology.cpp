@@ -210,17 +210,16 @@ void order_stars(Topology& t) {
 
 void build_half_edge_sharpness(Topology& t) {
     if (t.options.creasing != CreasingMethod::chaikin) return;
+    Array<SemiSharpEdges> around;
+    around.allocate(t.vertex_count);
+    for_each_index(t.vertex_count, [&](uint32_t v) {
+        around[v] = {};
+        for (const uint32_t e : t.edges_of_vertex(v)) around[v].add(t.edge_sharpness[e]);
+    });
     t.half_edge_sharpness.allocate(size_t{2} * t.edge_count);
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, t.edge_count, 1024), [&](const auto& range) {
-        std::vector<float> around;
-        for (uint32_t i = 2 * range.begin(); i != 2 * range.end(); ++i) {
-            const float sharpness = t.edge_sharpness[i / 2];
-            around.clear();
-            if (sharpness > 0)
-                for (const uint32_t e : t.edges_of_vertex(t.edge_vertices[i]))
-                    around.push_back(t.edge_sharpness[e]);
-            t.half_edge_sharpness[i] = child_edge_sharpness(t.options.creasing, sharpness, around);
-        }
+    for_each_index(2 * t.edge_count, [&](uint32_t i) {
+        t.half_edge_sharpness[i] =
+            child_edge_sharpness(t.options.creasing, t.edge_sharpness[i / 2], around[t.edge_vertices[i]]);
     });
 }
 

@@ -31,7 +31,7 @@ struct Topology {
     Array<uint32_t> face_edges;             ///< corner_count()
     Array<uint32_t> edge_vertices;          ///< 2 * edge_count
     Array<uint32_t> edge_corner_offsets;    ///< edge_count + 1
-    Array<uint32_t> edge_corners;           ///< corners at which each edge begins in its faces, ascending
+    Array<uint32_t> edge_corners;           ///< corners at which each edge begins in its faces (base level: ascending)
     Array<uint32_t> vertex_corner_offsets;  ///< vertex_count + 1
     Array<uint32_t> vertex_corners;         ///< corner_count()
     Array<uint32_t> vertex_edge_offsets;    ///< vertex_count + 1
@@ -41,9 +41,11 @@ struct Topology {
         half_edge_sharpness;  ///< Chaikin creasing: 2 * edge_count, see child_edge_sharpness; else empty
     Array<float> vertex_sharpness;   ///< vertex_count
     Array<uint8_t> vertex_manifold;  ///< vertex_count; 1 where the faces form one fan
-    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending.
-    /// Mostly empty.
+    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending. Mostly empty.
     Array<uint32_t> dependent_vertices;
+    /// One per pair: the largest finite sharpness of the mesh's edges along the seam there. While it lasts, a value that
+    /// has stopped following stays a corner for one more level, as in OpenSubdiv.
+    Array<float> dependent_seam_sharpness;
     // Kept in every level.
     Array<VertexRule> vertex_rules;  ///< vertex_count
     Array<uint8_t> face_holes;       ///< face_count; 1 where the face is not part of the surface
@@ -89,18 +91,21 @@ struct Topology {
     uint32_t end_at_corner(uint32_t c) const {
         return edge_vertices[2 * face_edges[c]] == face_vertices[c] ? 0 : 1;
     }
-    /// The vertex whose sharpness decides the rule of v: v itself, unless it is a dependent vertex.
-    uint32_t leading_vertex(uint32_t v) const {
-        size_t low = 0, high = dependent_vertices.size() / 2;
+    static constexpr size_t kNotDependent = ~size_t{0};
+    /// Which pair of dependent_vertices v follows in, or kNotDependent.
+    size_t find_dependent(uint32_t v) const {
+        size_t low = 0, high = dependent_seam_sharpness.size();
         while (low < high) {
             const size_t middle = (low + high) / 2;
-            if (dependent_vertices[2 * middle] < v)
-                low = middle + 1;
-            else
-                high = middle;
+            if (dependent_vertices[2 * middle] < v) low = middle + 1;
+            else high = middle;
         }
-        const bool found = 2 * low < dependent_vertices.size() && dependent_vertices[2 * low] == v;
-        return found ? dependent_vertices[2 * low + 1] : v;
+        return low < dependent_seam_sharpness.size() && dependent_vertices[2 * low] == v ? low : kNotDependent;
+    }
+    /// The vertex whose sharpness decides the rule of v: v itself, unless it is a dependent vertex.
+    uint32_t leading_vertex(uint32_t v) const {
+        const size_t pair = find_dependent(v);
+        return pair == kNotDependent ? v : dependent_vertices[2 * pair + 1];
     }
     uint32_t other_vertex(uint32_t e, uint32_t v) const {
         return edge_vertices[2 * e] == v ? edge_vertices[2 * e + 1] : edge_vertices[2 * e];

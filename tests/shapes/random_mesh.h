@@ -1,0 +1,27 @@
+// Random control meshes from a seed: the same mesh on every machine.
+#pragma once
+
+#include <cstdint>
+
+#include "shapes/shapes.h"
+
+namespace limn::test {
+
+// splitmix64, so that results do not depend on the standard library.
+class RandomNumbers {
+  public:
+    explicit RandomNumbers(uint64_t seed) : state_(seed) {}
+    uint64_t next();
+    uint32_t below(uint32_t count);           // 0 .. count - 1
+    double uniform(double low, double high);  // [low, high)
+    bool chance(double probability) { return uniform(0, 1) < probability; }
+
+  private:
+    uint64_t state_;
+};
+
+// 1 to 200 faces, of any scheme and options: boundaries, polygons, creases, corners, holes, channels with
+// seams; sometimes non-manifold, unoriented, with unused vertices or edges of length zero.
+TestMesh random_mesh(uint64_t seed);
+
+}  // namespace limn::test

@@ -1,0 +1,83 @@
+// What Vulkan tests share: a device with validation, and a comparison that cannot be given the same points
+// twice.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "limn/vulkan/context.h"
+
+namespace limn::vk::test {
+
+/// Points computed on the host, in double: value i of point p is values[p * width + i].
+struct HostPoints {
+    std::vector<double> values;
+    uint32_t width = 3;
+};
+
+/// Points read back from a device: value i of point p is values[first + p * stride + i].
+struct DevicePoints {
+    std::vector<float> values;
+    size_t first = 0;
+    size_t stride = 3;
+};
+
+/// Succeeds when every value differs by `tolerance` at most; NaN never matches.
+inline testing::AssertionResult points_match(const HostPoints& host, const DevicePoints& device,
+                                             double tolerance) {
+    const size_t count = host.values.size() / host.width;
+    if (count == 0) return testing::AssertionFailure() << "there is nothing to compare";
+    if (device.values.size() < device.first + (count - 1) * device.stride + host.width)
+        return testing::AssertionFailure() << "the device gave " << device.values.size() << " values only";
+    size_t bad = 0, worst = 0;
+    double worst_error = -1;
+    for (size_t i = 0; i < host.values.size(); ++i) {
+        const double value = device.values[device.first + i / host.width * device.stride + i % host.width];
+        const double error = std::abs(value - host.values[i]);
+        if (error <= tolerance) continue;
+        ++bad;
+        if (!(error <= worst_error)) worst = i, worst_error = error;
+    }
+    if (bad == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure()
+           << bad << " of " << host.values.size() << " values are off; point " << worst / host.width
+           << " component " << worst % host.width << " by " << worst_error << ", host " << host.values[worst];
+}
+
+/// The device of all tests, with validation; null when there is none, and then the test has failed.
+inline const Context* shared_context() {
+    static const Result<Context> context = [] {
+        Result<Context> created = Context::create({.validation = true});
+        if (created) std::printf("device: %s\n", created->device().name());
+        return created;
+    }();
+    if (context) return &*context;
+    ADD_FAILURE() << "no Vulkan device with validation: " << context.error().message;
+    return nullptr;
+}
+
+/// Runs on the shared device, and fails when validation has anything to say.
+class VulkanTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        context_ = shared_context();
+        ASSERT_NE(context_, nullptr);
+        messages_before_ = context_->validation_message_count();
+    }
+    void TearDown() override {
+        if (context_ == nullptr) return;
+        EXPECT_EQ(context_->validation_message_count(), messages_before_)
+            << context_->first_validation_message();
+    }
+    const Device& device() const { return context_->device(); }
+
+  private:
+    const Context* context_ = nullptr;
+    uint32_t messages_before_ = 0;
+};
+
+}  // namespace limn::vk::test
