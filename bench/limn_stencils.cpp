@@ -1,0 +1,151 @@
+#include "limn_stencils.h"
+
+#include <memory>
+#include <utility>
+
+namespace limn::bench {
+namespace {
+
+/// Two timestamps, where the queue has them.
+struct Timestamps {
+    const vk::Device* device = nullptr;
+    VkQueryPool pool = VK_NULL_HANDLE;
+    uint64_t mask = 0;
+
+    explicit Timestamps(const vk::Device& of) : device(&of) {
+        uint32_t count = of.queue_family_index + 1;
+        std::vector<VkQueueFamilyProperties> families(count);
+        of.functions.GetPhysicalDeviceQueueFamilyProperties(of.physical_device, &count, families.data());
+        const uint32_t bits = families[of.queue_family_index].timestampValidBits;
+        if (bits == 0) return;
+        mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
+        VkQueryPoolCreateInfo info = {};
+        info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+        info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        info.queryCount = 2;
+        if (of.functions.CreateQueryPool(of.handle, &info, nullptr, &pool) != VK_SUCCESS)
+            pool = VK_NULL_HANDLE;
+    }
+    Timestamps(const Timestamps&) = delete;
+    Timestamps& operator=(const Timestamps&) = delete;
+    ~Timestamps() {
+        if (pool != VK_NULL_HANDLE) device->functions.DestroyQueryPool(device->handle, pool, nullptr);
+    }
+    void record(VkCommandBuffer commands, uint32_t index) const {
+        if (pool == VK_NULL_HANDLE) return;
+        if (index == 0) device->functions.CmdResetQueryPool(commands, pool, 0, 2);
+        const auto stage =
+            index == 0 ? VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT : VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
+        device->functions.CmdWriteTimestamp(commands, stage, pool, index);
+    }
+    double milliseconds() const {
+        uint64_t times[2] = {};
+        device->functions.GetQueryPoolResults(device->handle, pool, 0, 2, sizeof times, times,
+                                              sizeof times[0],
+                                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+        const double ticks = static_cast<double>((times[1] - times[0]) & mask);
+        return ticks * static_cast<double>(device->properties.limits.timestampPeriod) * 1e-6;
+    }
+};
+
+/// Members are destroyed in reverse: commands before what they refer to.
+struct Frame {
+    explicit Frame(const vk::Device& of) : device(of), timestamps(of) {}
+    const vk::Device& device;
+    std::vector<vk::DeviceStencilTable> tables;
+    std::vector<vk::Buffer> points;  ///< control points, then those of each table
+    std::vector<vk::StencilEvaluation> evaluations;
+    Timestamps timestamps;
+    std::optional<vk::Commands> commands;
+};
+
+}  // namespace
+
+std::string device_description(const vk::Device& device) {
+    VkPhysicalDeviceDriverProperties driver = {};
+    driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+    VkPhysicalDeviceProperties2 properties = {};
+    properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    properties.pNext = &driver;
+    const auto query = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
+        device.functions.GetInstanceProcAddr(device.instance, "vkGetPhysicalDeviceProperties2"));
+    if (query != nullptr) query(device.physical_device, &properties);
+    const uint32_t version = device.properties.apiVersion;
+    return std::string(device.name()) + ", " + driver.driverName + " " + driver.driverInfo + ", Vulkan " +
+           std::to_string(VK_API_VERSION_MAJOR(version)) + "." +
+           std::to_string(VK_API_VERSION_MINOR(version));
+}
+
+Result<double> measure_device_copy(const Options& options, const vk::Device& device) {
+    for (VkDeviceSize bytes = VkDeviceSize{256} << 20; bytes >= VkDeviceSize{16} << 20; bytes /= 2) {
+        auto from = vk::create_buffer(device, bytes, vk::kPointUsage, vk::MemoryUse::device);
+        auto to = vk::create_buffer(device, bytes, vk::kPointUsage, vk::MemoryUse::device);
+        if (!from || !to) continue;
+        auto fill = vk::Commands::begin(device), commands = vk::Commands::begin(device);
+        if (!fill || !commands) return (fill ? commands : fill).error();
+        device.functions.CmdFillBuffer(*fill, from->handle, 0, bytes,
+                                       1);  // memory never written may not be there at all
+        if (auto filled = fill->submit_and_wait(); !filled) return filled.error();
+        const VkBufferCopy region = {0, 0, bytes};
+        device.functions.CmdCopyBuffer(*commands, from->handle, to->handle, 1, &region);
+        const Timing timing = measure(options, [&] { return commands->submit_and_wait().has_value(); });
+        if (timing.count != 0) return 2 * static_cast<double>(bytes) / timing.median * 1000;
+    }
+    return Error{ErrorCode::out_of_memory, "no device memory to measure a copy in"};
+}
+
+Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evaluator& evaluator,
+                                      std::span<const StencilTable> tables,
+                                      const std::vector<float>& positions, uint32_t width) {
+    const auto frame = std::make_shared<Frame>(device);
+    Candidate candidate;
+    candidate.is_limn = true;
+    auto source = vk::create_point_buffer(device, pad_points(positions, width));
+    if (!source) return source.error();
+    frame->points.push_back(std::move(*source));
+    for (const StencilTable& table : tables) {
+        auto uploaded = vk::upload_stencil_table(device, table);
+        if (!uploaded) return uploaded.error();
+        const uint64_t point_bytes = uint64_t{4} * width * table.row_count();
+        auto points = vk::create_buffer(device, point_bytes, vk::kPointUsage, vk::MemoryUse::device);
+        if (!points) return points.error();
+        candidate.row_count += table.row_count();
+        candidate.entry_count += table.weights.size();
+        candidate.bytes += uploaded->bytes() + point_bytes + uint64_t{4} * width * table.source_count;
+        frame->tables.push_back(std::move(*uploaded));
+        frame->points.push_back(std::move(*points));
+    }
+    auto commands = vk::Commands::begin(device);
+    if (!commands) return commands.error();
+    frame->timestamps.record(*commands, 0);
+    uint32_t dispatch_count = 0;
+    for (size_t i = 0; i < tables.size(); ++i) {
+        auto evaluation =
+            evaluator.prepare({.table = &frame->tables[i],
+                               .width = width,
+                               .source = {.buffer = frame->points[i].handle, .stride = width},
+                               .destination = {.buffer = frame->points[i + 1].handle, .stride = width}});
+        if (!evaluation) return evaluation.error();
+        if (i != 0) vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kKernelReads);
+        evaluation->record(*commands);
+        dispatch_count += evaluation->dispatch_count();
+        frame->evaluations.push_back(std::move(*evaluation));
+    }
+    vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kCopyReads);
+    frame->timestamps.record(*commands, 1);
+    frame->commands.emplace(std::move(*commands));
+
+    candidate.name =
+        std::string("limn") + (tables.size() == 1 ? "_composed" : "_chain") + (width == 4 ? "_xyzw" : "");
+    candidate.dispatch_count = dispatch_count;
+    candidate.frame = [frame] { return frame->commands->submit_and_wait().has_value(); };
+    if (frame->timestamps.pool != VK_NULL_HANDLE)
+        candidate.device_milliseconds = [frame] { return frame->timestamps.milliseconds(); };
+    candidate.points = [frame, width, count = size_t{tables.back().row_count()}] {
+        const auto values = vk::download<float>(frame->device, frame->points.back(), width * count);
+        return values ? unpad_points(values->data(), count, width) : std::vector<float>{};
+    };
+    return candidate;
+}
+
+}  // namespace limn::bench

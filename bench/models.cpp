@@ -1,0 +1,151 @@
+#include "models.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "limn/file.h"
+#include "limn/obj.h"
+
+namespace limn::bench {
+namespace {
+
+/// The same numbers on every machine, in [0, 1).
+double noise(uint64_t i) {
+    i = (i + 1) * 0x9E3779B97F4A7C15u;
+    i = (i ^ i >> 30) * 0xBF58476D1CE4E5B9u;
+    i = (i ^ i >> 27) * 0x94D049BB133111EBu;
+    return static_cast<double>(i >> 40) / static_cast<double>(1u << 24);
+}
+
+uint32_t add_vertex(Model& model, double x, double y, double z) {
+    for (const double value : {x, y, z}) model.positions.push_back(static_cast<float>(value));
+    return static_cast<uint32_t>(model.vertex_count() - 1);
+}
+
+void add_face(Model& model, std::initializer_list<uint32_t> vertices) {
+    model.face_sizes.push_back(static_cast<uint32_t>(vertices.size()));
+    model.face_vertices.insert(model.face_vertices.end(), vertices);
+}
+
+/// An uneven torus of around x across vertices.
+struct Torus {
+    uint32_t around, across;
+    uint32_t vertex(uint32_t i, uint32_t j) const { return (i % around) * across + j % across; }
+    void add_vertices(Model& model) const {
+        for (uint32_t i = 0; i < around; ++i)
+            for (uint32_t j = 0; j < across; ++j) {
+                const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
+                const double tube = 0.4 + 0.03 * noise(vertex(i, j)), radius = 1 + tube * std::cos(v);
+                add_vertex(model, radius * std::cos(u), radius * std::sin(u), tube * std::sin(v));
+            }
+    }
+};
+
+/// Every 13th quad gets a smaller one inside, whose corners have valence 3, which makes its own corners
+/// valence 5.
+Model make_creased_torus(const Torus& torus) {
+    Model model;
+    torus.add_vertices(model);
+    for (uint32_t i = 0; i < torus.around; ++i)
+        for (uint32_t j = 0; j < torus.across; ++j) {
+            const uint32_t outer[] = {torus.vertex(i, j), torus.vertex(i + 1, j), torus.vertex(i + 1, j + 1),
+                                      torus.vertex(i, j + 1)};
+            if ((i * torus.across + j) % 13 != 0) {
+                add_face(model, {outer[0], outer[1], outer[2], outer[3]});
+                continue;
+            }
+            uint32_t inner[4];
+            for (uint32_t c = 0; c < 4; ++c) {
+                double at[3];
+                for (size_t axis = 0; axis < 3; ++axis) {
+                    double centre = 0;
+                    for (const uint32_t v : outer)
+                        centre += 0.25 * static_cast<double>(model.positions[3 * v + axis]);
+                    at[axis] =
+                        0.55 * static_cast<double>(model.positions[3 * outer[c] + axis]) + 0.45 * centre;
+                }
+                inner[c] = add_vertex(model, at[0], at[1], at[2]);
+            }
+            add_face(model, {inner[0], inner[1], inner[2], inner[3]});
+            for (uint32_t c = 0; c < 4; ++c)
+                add_face(model, {outer[c], outer[(c + 1) % 4], inner[(c + 1) % 4], inner[c]});
+        }
+    // Closed chains around the tube: semi-sharp, beyond the level that is measured, and infinite.
+    const float sharpness[] = {1.5f, 2.5f, 6.0f, kInfiniteSharpness};
+    for (uint32_t chain = 0; chain < 4; ++chain) {
+        const uint32_t i = chain * torus.around / 4;
+        for (uint32_t j = 0; j <= torus.across; ++j) model.crease_vertices.push_back(torus.vertex(i, j));
+        model.crease_sizes.push_back(torus.across + 1);
+        model.crease_sharpness.push_back(sharpness[chain]);
+    }
+    return model;
+}
+
+/// Quads, some cut into triangles, some merged with the next one.
+Model make_messy_torus(const Torus& torus) {
+    Model model;
+    torus.add_vertices(model);
+    for (uint32_t i = 0; i < torus.around; ++i)
+        for (uint32_t j = 0; j < torus.across; ++j) {
+            const uint32_t a = torus.vertex(i, j), b = torus.vertex(i + 1, j), c = torus.vertex(i + 1, j + 1),
+                           d = torus.vertex(i, j + 1);
+            const double choice = noise(a + 1'000'000);
+            if (choice < 0.6) {
+                const bool flip = choice < 0.3;
+                add_face(model, {a, b, flip ? d : c});
+                add_face(model, {flip ? b : a, c, d});
+            } else if (choice < 0.8 && j + 1 < torus.across) {
+                add_face(model, {a, b, c, torus.vertex(i + 1, j + 2), torus.vertex(i, j + 2), d});
+                ++j;
+            } else {
+                add_face(model, {a, b, c, d});
+            }
+        }
+    return model;
+}
+
+BenchModel finish(const Options& options, std::string name, Model model) {
+    Result<ControlMesh> mesh = ControlMesh::create(describe(model));
+    if (!mesh) {
+        Error error = mesh.error();
+        error.message = name + ": " + error.message;
+        fail(options, error);
+    }
+    return {std::move(name), std::move(*mesh), std::move(model.positions)};
+}
+
+/// /meshes/rook.obj -> rook
+std::string stem(const std::string& path) {
+    const size_t slash = path.rfind('/'), begin = slash == std::string::npos ? 0 : slash + 1;
+    const size_t dot = path.rfind('.');
+    return printable(path.substr(begin, dot == std::string::npos || dot <= begin ? dot : dot - begin));
+}
+
+}  // namespace
+
+std::vector<BenchModel> load_models(const Options& options) {
+    std::vector<BenchModel> models;
+    for (const std::string& path : options.models)
+        models.push_back(finish(options, stem(path), value_or_fail(options, read_obj(path))));
+    if (!options.models.empty()) return models;
+    models.push_back(finish(options, "torus_1k", make_creased_torus({48, 24})));
+    models.push_back(finish(options, "torus_9k", make_creased_torus({120, 58})));
+    models.push_back(finish(options, "messy_6k", make_messy_torus({80, 56})));
+    return models;
+}
+
+BenchModel make_million_quads() {
+    constexpr uint32_t kSide = 1000;
+    Model model;
+    for (uint32_t i = 0; i <= kSide; ++i)
+        for (uint32_t j = 0; j <= kSide; ++j)
+            add_vertex(model, i / 1000.0, j / 1000.0, 0.01 * noise(i * (kSide + 1) + j));
+    for (uint32_t i = 0; i < kSide; ++i)
+        for (uint32_t j = 0; j < kSide; ++j) {
+            const uint32_t v = i * (kSide + 1) + j;
+            add_face(model, {v, v + kSide + 1, v + kSide + 2, v + 1});
+        }
+    return finish({}, "million_quads", std::move(model));
+}
+
+}  // namespace limn::bench

@@ -1,0 +1,26 @@
+// The control meshes that benchmarks run on.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench.h"
+#include "limn/control_mesh.h"
+
+namespace limn::bench {
+
+struct BenchModel {
+    std::string name;
+    ControlMesh mesh;
+    std::vector<float> positions;  ///< 3 per vertex
+};
+
+/// The models named on the command line, or generated ones: a torus of quads with creases and extraordinary
+/// vertices, small and large, and a messy one of triangles, quads and hexagons. Fails on the first that
+/// cannot be read.
+std::vector<BenchModel> load_models(const Options& options);
+
+/// A plane of 1000 x 1000 quads, a little uneven.
+BenchModel make_million_quads();
+
+}  // namespace limn::bench
