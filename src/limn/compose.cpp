@@ -172,7 +172,7 @@ void write_program(const Job& job, const Member& member, Neighborhood& hood, Pro
             if (step + 1 == levels.size()) return limit_row(parent, v, row, program.tangents);
             const std::vector<uint32_t>& children = program.local.children[step + 1];
             const uint32_t child = children.empty() ? v : children[v];
-            refinement_row(parent, child, levels[step + 1].vertex_rules[v], job.options.interpolation, row);
+            refinement_row(parent, child, job.options.interpolation, row);
         });
     }
 }

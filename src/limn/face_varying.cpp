@@ -101,7 +101,8 @@ uint32_t sharpen_pairs(const Rules& rules, const CutVertex& c) {
     const bool boundary = std::any_of(edges.begin(), edges.end(),
                                       [&](uint32_t e) { return base.corners_of_edge(e).size() < 2; });
     const bool mesh_corner = base.corners_of_vertex(c.v).size() == 1 && rules.sharpens_mesh_corners;
-    if (!cut && !(boundary && (rules.linear_boundaries || mesh_corner))) return kInvalidIndex;
+    // Values of sheets that share nothing but the vertex differ although no edge is cut.
+    if (!cut && c.count == 1 && !(boundary && (rules.linear_boundaries || mesh_corner))) return kInvalidIndex;
 
     if (rules.linear_boundaries || is_infinite(base.vertex_sharpness[c.v]) ||
         base.vertex_manifold[c.v] == 0 || (rules.sharp_junctions && c.count > 2) ||
@@ -125,10 +126,12 @@ uint32_t sharpen_pairs(const Rules& rules, const CutVertex& c) {
     return is_infinite(c.t.vertex_sharpness[follower]) ? kInvalidIndex : follower;
 }
 
+/// Of the children; with Chaikin creasing copy_half_edge_sharpness has the last word.
 float largest_seam_sharpness(const Topology& base, const Array<uint8_t>& cut, uint32_t v) {
     float largest = 0;
     for (const uint32_t e : base.edges_of_vertex(v))
-        if (cut[e] != 0 && !is_infinite(base.edge_sharpness[e])) largest = std::max(largest, base.edge_sharpness[e]);
+        if (cut[e] != 0 && !is_infinite(base.edge_sharpness[e]))
+            largest = std::max(largest, child_sharpness(base.edge_sharpness[e]));
     return largest;
 }
 

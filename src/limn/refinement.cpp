@@ -208,10 +208,10 @@ void split_edges(const Split& s, bool full) {
     const Topology& p = s.parent;
     Topology& t = s.child;
     for_each_index(p.edge_count, [&](uint32_t e) {
-        const float half[2] = {p.child_sharpness_of_edge(e, 0), p.child_sharpness_of_edge(e, 1)};
-        t.vertex_rules[s.edge_vertex(e)] = vertex_rule(0, (half[0] > 0) + (half[1] > 0));
+        t.vertex_rules[s.edge_vertex(e)] = child_rule_of_edge(p, e);
         if (!full) return;
-        for (uint32_t end = 0; end < 2; ++end) t.edge_sharpness[s.half_edge(e, end)] = half[end];
+        for (uint32_t end = 0; end < 2; ++end)
+            t.edge_sharpness[s.half_edge(e, end)] = p.child_sharpness_of_edge(e, end);
         split_edge_topology(s, e);
     });
 }
@@ -226,27 +226,12 @@ void for_each_edge_end(const Topology& t, uint32_t v, const Body& body) {
     }
 }
 
-void split_dependent_vertices(const Topology& p, Topology& t) {
-    t.dependent_vertices = p.dependent_vertices;
-    t.dependent_seam_sharpness = p.dependent_seam_sharpness;
-    for (size_t i = 0; i < p.dependent_seam_sharpness.size(); ++i) {
-        const uint32_t v = p.dependent_vertices[2 * i], leader = p.dependent_vertices[2 * i + 1];
-        const float seam = child_sharpness(p.dependent_seam_sharpness[i]);
-        const bool released = p.vertex_rules[leader] == VertexRule::corner && t.vertex_rules[leader] != VertexRule::corner;
-        t.vertex_rules[v] = released && seam > 0 ? VertexRule::corner : t.vertex_rules[leader];
-        t.dependent_seam_sharpness[i] = seam;
-    }
-}
-
 void split_vertices(const Split& s, bool full) {
     const Topology& p = s.parent;
     Topology& t = s.child;
     for_each_index(p.vertex_count, [&](uint32_t v) {
         const float sharpness = child_sharpness(p.vertex_sharpness[v]);
-        uint32_t sharp = 0;
-        for_each_edge_end(p, v,
-                          [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
-        t.vertex_rules[v] = vertex_rule(sharpness, sharp);
+        t.vertex_rules[v] = child_rule_of_vertex(p, v);
         if (!full) return;
         t.vertex_sharpness[v] = sharpness;
         t.vertex_manifold[v] = p.vertex_manifold[v];
@@ -260,10 +245,28 @@ void split_vertices(const Split& s, bool full) {
         for_each_edge_end(p, v,
                           [&](uint32_t e, uint32_t end) { t.vertex_edges[at++] = s.half_edge(e, end); });
     });
-    split_dependent_vertices(p, t);
+    t.dependent_vertices = p.dependent_vertices;
+    t.dependent_seam_sharpness = p.dependent_seam_sharpness;
+    for (float& sharpness : t.dependent_seam_sharpness) sharpness = child_sharpness(sharpness);
 }
 
 }  // namespace
+
+VertexRule child_rule_of_vertex(const Topology& p, uint32_t v) {
+    uint32_t sharp = 0;
+    for_each_edge_end(p, v, [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
+    const size_t pair = p.find_dependent(v);
+    if (pair == Topology::kNotDependent) return vertex_rule(child_sharpness(p.vertex_sharpness[v]), sharp);
+    const uint32_t leader = p.dependent_vertices[2 * pair + 1];
+    const VertexRule rule = child_rule_of_vertex(p, leader);
+    const bool released = p.vertex_rules[leader] == VertexRule::corner && rule != VertexRule::corner;
+    return released && p.dependent_seam_sharpness[pair] > 0 ? VertexRule::corner : rule;
+}
+
+VertexRule child_rule_of_edge(const Topology& p, uint32_t e) {
+    if (p.edge_sharpness[e] <= 0) return VertexRule::smooth;
+    return vertex_rule(0, (p.child_sharpness_of_edge(e, 0) > 0) + (p.child_sharpness_of_edge(e, 1) > 0));
+}
 
 Topology refine_once(const Topology& parent, bool full) {
     Topology child;
@@ -286,6 +289,16 @@ void copy_half_edge_sharpness(const Topology& uncut, Topology& channel) {
         if (is_infinite(channel.edge_sharpness[to])) continue;
         channel.half_edge_sharpness[2 * to + to_end] = uncut.half_edge_sharpness[2 * from + from_end];
         channel.half_edge_sharpness[2 * to + 1 - to_end] = uncut.half_edge_sharpness[2 * from + 1 - from_end];
+    }
+    for (size_t i = 0; i < channel.dependent_seam_sharpness.size(); ++i) {
+        const uint32_t v = uncut.face_vertices[channel.corners_of_vertex(channel.dependent_vertices[2 * i])[0]];
+        float& largest = channel.dependent_seam_sharpness[i] = 0;
+        for (const uint32_t e : uncut.edges_of_vertex(v)) {
+            const uint32_t c = uncut.corners_of_edge(e)[0];
+            const float sharpness = uncut.child_sharpness_of_edge(e, uncut.edge_vertices[2 * e] == v ? 0 : 1);
+            if (is_infinite(channel.edge_sharpness[channel.face_edges[c]]) && !is_infinite(sharpness))
+                largest = std::max(largest, sharpness);
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 #include "limn/stencil_row.h"
 
+#include "limn/topology_build.h"
+
 namespace limn {
 namespace {
 
@@ -42,8 +44,8 @@ void add_edge_point(const Topology& p, uint32_t e, double smooth, Row& row) {
     }
 }
 
-void edge_row(const Topology& p, uint32_t e, VertexRule child_rule, bool linear, Row& row) {
-    const double smooth = linear ? 0 : edge_smooth_share(p.options, p.edge_sharpness[e], child_rule);
+void edge_row(const Topology& p, uint32_t e, bool linear, Row& row) {
+    const double smooth = linear ? 0 : edge_smooth_share(p.options, p.edge_sharpness[e], child_rule_of_edge(p, e));
     if (smooth != 0 && p.corners_of_edge(e).size() == 2) return add_edge_point(p, e, smooth, row);
     add(row, p.edge_vertices[2 * e], 0.5);
     add(row, p.edge_vertices[2 * e + 1], 0.5);
@@ -110,12 +112,12 @@ double parent_share(const Topology& p, uint32_t v) {
     return vertex_parent_share(sharpness, child_sharpness(sharpness), parent, child);
 }
 
-void vertex_row(const Topology& p, uint32_t v, VertexRule child_rule, bool linear, Row& row) {
+void vertex_row(const Topology& p, uint32_t v, bool linear, Row& row) {
     if (linear) return add(row, v, 1);
-    VertexRule rule = p.vertex_rules[v];
-    if (rule == VertexRule::dart) rule = VertexRule::smooth;
-    if (rule == VertexRule::smooth || rule == child_rule)
-        return add_vertex_of_rule(p, v, rule, false, 1, row);
+    const VertexRule rule = p.vertex_rules[v];
+    if (rule == VertexRule::smooth || rule == VertexRule::dart) return add_smooth_vertex(p, v, 1, row);
+    const VertexRule child_rule = child_rule_of_vertex(p, v);
+    if (rule == child_rule) return add_vertex_of_rule(p, v, rule, false, 1, row);
     const double share = parent_share(p, v);
     add_vertex_of_rule(p, v, rule, false, share, row);
     add_vertex_of_rule(p, v, child_rule, true, 1 - share, row);
@@ -154,16 +156,12 @@ LimitStar limit_star(const Topology& t, uint32_t v) {
 
 }  // namespace
 
-void refinement_row(const Topology& p, uint32_t child, VertexRule child_rule, Interpolation interpolation,
-                    Row& row) {
+void refinement_row(const Topology& p, uint32_t child, Interpolation interpolation, Row& row) {
     const bool linear = interpolation == Interpolation::varying || p.options.scheme == Scheme::bilinear;
     const uint32_t first_edge_child = child_of_edge(p, 0);
-    if (child < p.vertex_count)
-        vertex_row(p, child, child_rule, linear, row);
-    else if (child < first_edge_child)
-        add_centroid(p, child - p.vertex_count, 1, row);
-    else
-        edge_row(p, child - first_edge_child, child_rule, linear, row);
+    if (child < p.vertex_count) vertex_row(p, child, linear, row);
+    else if (child < first_edge_child) add_centroid(p, child - p.vertex_count, 1, row);
+    else edge_row(p, child - first_edge_child, linear, row);
 }
 
 void limit_row(const Topology& t, uint32_t v, Row& row, std::vector<TangentWeights>& tangents) {

@@ -22,9 +22,8 @@ struct TangentWeights {
     double tangent1, tangent2;
 };
 
-/// Appends the row of vertex `child` of the level after `parent`; `child_rule` is its rule there.
-void refinement_row(const Topology& parent, uint32_t child, VertexRule child_rule, Interpolation interpolation,
-                    Row& row);
+/// Appends the row of vertex `child` of the level after `parent`.
+void refinement_row(const Topology& parent, uint32_t child, Interpolation interpolation, Row& row);
 
 /// Appends the limit position and, one for each entry, the tangents of vertex v of a full level whose faces all have
 /// the scheme's own size.

@@ -75,27 +75,28 @@ Result<void> offsets_from_sizes(Array<uint32_t>& sizes) {
 template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
                                                  Interpolation interpolation) {
-    if (level == 0 || level >= refinement.level_count())
+    const bool available = level >= 1 && level <= refinement.level_count();
+    if (!available || refinement.levels[level - 1].face_edges.empty())
         return Error{ErrorCode::invalid_argument,
-                     "no refinement step leads to level " + std::to_string(level)};
+                     "the step to level " + std::to_string(level) + " needs level - 1 with its edges"};
     const Topology& parent = refinement.levels[level - 1];
-    const Topology& child = refinement.levels[level];
+    const uint32_t rows = child_of_edge(parent, parent.edge_count);
     BasicStencilTable<Real> table;
     table.source_count = parent.vertex_count;
-    table.offsets.allocate(size_t{child.vertex_count} + 1);
+    table.offsets.allocate(size_t{rows} + 1);
     table.offsets.back() = 0;
     auto row_of = [&](uint32_t r, Row& row) {
-        refinement_row(parent, r, child.vertex_rules[r], interpolation, row);
+        refinement_row(parent, r, interpolation, row);
         merge_repeated(row);
     };
-    for_each_row(child.vertex_count, [&](uint32_t r, Row& row) {
+    for_each_row(rows, [&](uint32_t r, Row& row) {
         row_of(r, row);
         table.offsets[r] = static_cast<uint32_t>(row.size());
     });
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     table.indices.allocate(table.offsets.back());
     table.weights.allocate(table.offsets.back());
-    for_each_row(child.vertex_count, [&](uint32_t r, Row& row) {
+    for_each_row(rows, [&](uint32_t r, Row& row) {
         row_of(r, row);
         uint32_t at = table.offsets[r];
         for (const RowEntry& entry : row) {
@@ -110,6 +111,8 @@ template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
                                                     Interpolation interpolation) {
     if (level == 0) return identity_table<Real>(refinement);
+    if (level == 1 && refinement.control_indices.empty())
+        return build_step_table<Real>(refinement, level, interpolation);
     return compose<Real>(refinement, {level, interpolation, Target::refined});
 }
 

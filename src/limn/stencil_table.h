@@ -37,8 +37,9 @@ struct BasicStencilTable {
 using StencilTable = BasicStencilTable<float>;
 using StencilTableDouble = BasicStencilTable<double>;
 
-/// One step: the points of `level` (1 .. refinement.level_count() - 1) from those of `level - 1`. Row r is
-/// vertex r of the level; source_count is the vertex count of level - 1.
+/// One step: the points of `level` (1 .. refinement.level_count()) from those of `level - 1`, which must have its edges
+/// (the last level has them when built with full_last_level). Row r is vertex r of the level; source_count is the vertex
+/// count of level - 1. Errors: invalid_argument (level), too_large.
 template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
                                                  Interpolation interpolation = Interpolation::vertex);

@@ -43,8 +43,8 @@ struct Topology {
     Array<uint8_t> vertex_manifold;  ///< vertex_count; 1 where the faces form one fan
     /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending. Mostly empty.
     Array<uint32_t> dependent_vertices;
-    /// One per pair: the largest finite sharpness of the mesh's edges along the seam there. While it lasts, a value that
-    /// has stopped following stays a corner for one more level, as in OpenSubdiv.
+    /// One per pair: the largest finite sharpness that the mesh's edges along the seam there have in the next level.
+    /// While it lasts, a value that has stopped following stays a corner for one more level, as in OpenSubdiv.
     Array<float> dependent_seam_sharpness;
     // Kept in every level.
     Array<VertexRule> vertex_rules;  ///< vertex_count

@@ -42,11 +42,16 @@ void build_incidence(Topology& t, const Array<uint32_t>& first);
 /// fails.
 void order_stars(Topology& t);
 
+/// The rules that the children of a vertex and of an edge have in the next level.
+VertexRule child_rule_of_vertex(const Topology& parent, uint32_t v);
+VertexRule child_rule_of_edge(const Topology& parent, uint32_t e);
+
 /// One refinement step. `full`: with edges and stars.
 Topology refine_once(const Topology& parent, bool full);
 
 /// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a channel's
-/// level the half_edge_sharpness that the uncut level has for them. Corners of both correspond.
+/// level the half_edge_sharpness (and dependent_seam_sharpness) that the uncut level has for them. Corners of both
+/// correspond.
 void copy_half_edge_sharpness(const Topology& uncut, Topology& channel);
 
 /// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
