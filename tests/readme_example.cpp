@@ -23,7 +23,8 @@ limn::Result<std::vector<limn::StencilTable>> build_tables(const limn::ControlMe
     return tables;  // the faces are in refinement->last().face_vertices
 }
 
-// Every frame, in your command buffer, on your buffers: points[0] are the control points, points[3] the result.
+// Every frame, in your command buffer, on your buffers: points[0] are the control points, points[3] the
+// result.
 void record_refinement(const limn::vk::Device& device, VkCommandBuffer commands,
                        const std::vector<limn::vk::StencilEvaluation>& steps) {
     for (const limn::vk::StencilEvaluation& step : steps) {

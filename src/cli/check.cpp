@@ -29,8 +29,8 @@ struct Row {
     bool ok() const { return error <= tolerance; }  // false for NaN
 };
 
-/// Differences are told relative to the largest side of the bounding box; positions may also be off by 4 ulp of the
-/// largest coordinate, which matters for small models far from the origin.
+/// Differences are told relative to the largest side of the bounding box; positions may also be off by 4 ulp
+/// of the largest coordinate, which matters for small models far from the origin.
 struct Extent {
     double size = 0, ulp = 0;
 };
@@ -68,7 +68,8 @@ struct Vector {
 };
 
 Vector cross(const Vector& a, const Vector& b) {
-    return {{a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2], a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
+    return {{a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2],
+             a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
 }
 
 template <class T>
@@ -84,7 +85,8 @@ double worst_normal_angle(const LimitPoints& ours, const ReferenceLimits& theirs
         const Vector a = vector_at(theirs.tangents1, i), b = vector_at(theirs.tangents2, i);
         const Vector p = vector_at(ours.tangents1, i), q = vector_at(ours.tangents2, i);
         const Vector reference = cross(a, b), normal = cross(p, q);
-        constexpr double kDegenerate = 1e-3;  // sine of the angle between tangents, and their length against the model
+        constexpr double kDegenerate =
+            1e-3;  // sine of the angle between tangents, and their length against the model
         if (reference.length() < kDegenerate * a.length() * b.length()) continue;
         if (std::min(a.length(), b.length()) < 1e-4 * size) continue;
         const double sine = cross(reference, normal).length() / (reference.length() * normal.length());
@@ -140,15 +142,18 @@ Result<void> check_limits(Check& check, const Refinement& refinement) {
     if (!limits) return limits.error();
     const ReferenceLimits expected = check.reference.limits(check.points());
     const Extent extent = extent_of(check.points(), 3);
-    check.rows.push_back({"limit points", worst_difference(limits->positions, expected.positions) / extent.size,
+    check.rows.push_back({"limit points",
+                          worst_difference(limits->positions, expected.positions) / extent.size,
                           2e-6 + 4 * extent.ulp / extent.size, "of size"});
-    check.rows.push_back({"limit normals", worst_normal_angle(*limits, expected, extent.size), 0.1, "degrees"});
+    check.rows.push_back(
+        {"limit normals", worst_normal_angle(*limits, expected, extent.size), 0.1, "degrees"});
     return {};
 }
 
 Result<void> check_texture_coordinates(Check& check) {
     if (check.loaded.mesh.channels.empty()) return {};
-    Result<Refinement> refinement = build_face_varying_refinement(check.loaded.mesh, 0, {check.options.level, false});
+    Result<Refinement> refinement =
+        build_face_varying_refinement(check.loaded.mesh, 0, {check.options.level, false});
     if (!refinement) return refinement.error();
     const Result<StencilTable> table = build_stencil_table<float>(*refinement, check.options.level);
     if (!table) return table.error();
@@ -194,7 +199,8 @@ bool print(const std::string& path, const Check& check, double departure) {
         ok = ok && row.ok();
     }
     if (departure > 1e-9)
-        std::printf("  limn's own limit points, without --compat opensubdiv, lie up to %.2e of size away\n", departure);
+        std::printf("  limn's own limit points, without --compat opensubdiv, lie up to %.2e of size away\n",
+                    departure);
     return ok;
 }
 
@@ -245,15 +251,17 @@ int run(const Options&) {
 
 void add_check(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
-    CLI::App* command = program.add_subcommand("check", "Cross-check models against OpenSubdiv, in double precision");
+    CLI::App* command =
+        program.add_subcommand("check", "Cross-check models against OpenSubdiv, in double precision");
     command->add_option("MODEL", options->models, "OBJ files")->required();
     command->add_option("--level", options->level, "Refinement level to compare at, 1 to 6")
         ->check(CLI::Range(1u, 6u))
         ->capture_default_str();
     add_surface_options(*command, options->surface);
     add_device_option(*command, options->device);
-    command->footer("Exit status 1 if any error is out of tolerance. OpenSubdiv's deviations from its own limit are "
-                    "reproduced (--compat opensubdiv), so that everything can be compared.");
+    command->footer(
+        "Exit status 1 if any error is out of tolerance. OpenSubdiv's deviations from its own limit are "
+        "reproduced (--compat opensubdiv), so that everything can be compared.");
     command->callback([options, &status] { status = run(*options); });
 }
 

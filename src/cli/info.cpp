@@ -39,7 +39,8 @@ void count_edges(const Topology& t, Summary& s) {
         if (faces == 1) continue;
         s.infinite_edges += is_infinite(sharpness);
         s.semi_sharp_edges += sharpness > 0 && !is_infinite(sharpness);
-        if (!is_infinite(sharpness)) s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
+        if (!is_infinite(sharpness))
+            s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
     }
 }
 
@@ -54,7 +55,8 @@ void count_vertices(const Topology& t, Summary& s) {
             ++s.non_manifold_vertices;
         } else {
             s.sharp_vertices += sharpness > 0;
-            if (!is_infinite(sharpness)) s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
+            if (!is_infinite(sharpness))
+                s.largest_finite_sharpness = std::max(s.largest_finite_sharpness, sharpness);
             ++(closed ? s.interior_valences : s.boundary_faces).counts[faces];
         }
     }
@@ -90,7 +92,8 @@ Result<Summary> summarize(const ControlMesh& mesh) {
 void print_histogram(const Histogram& h) {
     if (h.counts.empty()) return;
     std::printf("%s:", h.title);
-    for (const auto& [key, count] : h.counts) std::printf("  %u: %llu", key, static_cast<unsigned long long>(count));
+    for (const auto& [key, count] : h.counts)
+        std::printf("  %u: %llu", key, static_cast<unsigned long long>(count));
     std::printf("\n");
 }
 
@@ -152,8 +155,10 @@ int run(const Options& options) {
     if (!loaded) return fail(loaded.error());
     const Result<Summary> summary = summarize(loaded->mesh);
     if (!summary) return fail(summary.error());
-    if (options.json) print_json(options, *summary);
-    else print_text(options, *summary);
+    if (options.json)
+        print_json(options, *summary);
+    else
+        print_text(options, *summary);
     return 0;
 }
 

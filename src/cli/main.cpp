@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
     CLI::App program{
         "limn evaluates subdivision surfaces on Vulkan.\n"
         "A model is an OBJ file; creases, corners and holes are OpenSubdiv's tag lines, for example\n"
-        "'t crease 2/1/0 4 7 2.5' for sharpness 2.5 along the edge between vertices 4 and 7 (counted from 0).\n"
+        "'t crease 2/1/0 4 7 2.5' for sharpness 2.5 along the edge between vertices 4 and 7 (counted from "
+        "0).\n"
         "Start with: limn info MODEL; limn refine MODEL --level 3 -o OUT.obj; limn check MODEL."};
     program.set_version_flag("--version", "limn " LIMN_VERSION);
     program.require_subcommand(1);

@@ -38,35 +38,49 @@ std::vector<double> flatten(const std::vector<Point<N>>& points) {
 
 Sdc::Options::VtxBoundaryInterpolation boundary_of(BoundaryInterpolation boundary) {
     switch (boundary) {
-        case BoundaryInterpolation::none: return Sdc::Options::VTX_BOUNDARY_NONE;
-        case BoundaryInterpolation::edge_only: return Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
-        default: return Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER;
+        case BoundaryInterpolation::none:
+            return Sdc::Options::VTX_BOUNDARY_NONE;
+        case BoundaryInterpolation::edge_only:
+            return Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
+        default:
+            return Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER;
     }
 }
 
 Sdc::Options::FVarLinearInterpolation face_varying_of(FaceVaryingInterpolation interpolation) {
     switch (interpolation) {
-        case FaceVaryingInterpolation::none: return Sdc::Options::FVAR_LINEAR_NONE;
-        case FaceVaryingInterpolation::corners_only: return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
-        case FaceVaryingInterpolation::corners_plus1: return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
-        case FaceVaryingInterpolation::corners_plus2: return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
-        case FaceVaryingInterpolation::boundaries: return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
-        default: return Sdc::Options::FVAR_LINEAR_ALL;
+        case FaceVaryingInterpolation::none:
+            return Sdc::Options::FVAR_LINEAR_NONE;
+        case FaceVaryingInterpolation::corners_only:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+        case FaceVaryingInterpolation::corners_plus1:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+        case FaceVaryingInterpolation::corners_plus2:
+            return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+        case FaceVaryingInterpolation::boundaries:
+            return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+        default:
+            return Sdc::Options::FVAR_LINEAR_ALL;
     }
 }
 
 OpenSubdiv::Sdc::SchemeType scheme_of(Scheme scheme) {
     switch (scheme) {
-        case Scheme::loop: return Sdc::SCHEME_LOOP;
-        case Scheme::bilinear: return Sdc::SCHEME_BILINEAR;
-        default: return Sdc::SCHEME_CATMARK;
+        case Scheme::loop:
+            return Sdc::SCHEME_LOOP;
+        case Scheme::bilinear:
+            return Sdc::SCHEME_BILINEAR;
+        default:
+            return Sdc::SCHEME_CATMARK;
     }
 }
 
 /// OpenSubdiv warns through a global callback; what it refuses shows in what it returns.
 void ignore_message(Far::ErrorType, const char*) {}
 
-std::vector<int> to_int(const std::vector<uint32_t>& values) { return {values.begin(), values.end()}; }
+std::vector<int> to_int(const std::vector<uint32_t>& values) {
+    return {values.begin(), values.end()};
+}
 
 }  // namespace
 
@@ -120,14 +134,16 @@ Result<OpenSubdivReference> OpenSubdivReference::create(const ControlMesh& mesh,
         options.SetFVarLinearInterpolation(face_varying_of(mesh.channels[0].interpolation));
     }
     options.SetVtxBoundaryInterpolation(boundary_of(mesh.options.boundary));
-    options.SetCreasingMethod(mesh.options.creasing == CreasingMethod::chaikin ? Sdc::Options::CREASE_CHAIKIN
-                                                                               : Sdc::Options::CREASE_UNIFORM);
+    options.SetCreasingMethod(mesh.options.creasing == CreasingMethod::chaikin
+                                  ? Sdc::Options::CREASE_CHAIKIN
+                                  : Sdc::Options::CREASE_UNIFORM);
     options.SetTriangleSubdivision(mesh.options.triangles == TriangleSubdivision::smooth
                                        ? Sdc::Options::TRI_SUB_SMOOTH
                                        : Sdc::Options::TRI_SUB_CATMARK);
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
     auto data = std::make_unique<Data>();
-    data->refiner.reset(Factory::Create(descriptor, Factory::Options(scheme_of(mesh.options.scheme), options)));
+    data->refiner.reset(
+        Factory::Create(descriptor, Factory::Options(scheme_of(mesh.options.scheme), options)));
     if (!data->refiner) return Error{ErrorCode::unsupported, "OpenSubdiv refuses this mesh"};
     Far::TopologyRefiner::UniformOptions refine(static_cast<int>(level));
     refine.fullTopologyInLastLevel = true;
@@ -154,11 +170,12 @@ std::vector<double> OpenSubdivReference::refine(std::span<const float> control_p
 
 ReferenceLimits OpenSubdivReference::limits(std::span<const float> control_points) const {
     const Far::PrimvarRefinerReal<double> refiner(*data_->refiner);
-    const auto refined = data_->run(points_from<3>(control_points), [&](int level, std::vector<Point<3>>& from) {
-        std::vector<Point<3>> to(static_cast<size_t>(data_->refiner->GetLevel(level).GetNumVertices()));
-        refiner.Interpolate(level, from, to);
-        return to;
-    });
+    const auto refined =
+        data_->run(points_from<3>(control_points), [&](int level, std::vector<Point<3>>& from) {
+            std::vector<Point<3>> to(static_cast<size_t>(data_->refiner->GetLevel(level).GetNumVertices()));
+            refiner.Interpolate(level, from, to);
+            return to;
+        });
     std::vector<Point<3>> positions(refined.size()), tangents1(refined.size()), tangents2(refined.size());
     refiner.Limit(refined, positions, tangents1, tangents2);
     return {flatten(positions), flatten(tangents1), flatten(tangents2)};

@@ -41,8 +41,8 @@ Result<PointRunner> PointRunner::create(const DeviceOption& option) {
     return runner;
 }
 
-Result<std::vector<float>> PointRunner::run(std::span<const StencilTable> tables, std::span<const float> source,
-                                            uint32_t width) const {
+Result<std::vector<float>> PointRunner::run(std::span<const StencilTable> tables,
+                                            std::span<const float> source, uint32_t width) const {
     if (!context_) {
         std::vector<float> points(source.begin(), source.end());
         for (const StencilTable& table : tables) points = apply_on_host(table, points, width);
@@ -114,7 +114,8 @@ Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span
     if (auto done = commands->submit_and_wait(); !done) return done.error();
     std::vector<float>* results[] = {&limits.positions, &limits.tangents1, &limits.tangents2};
     for (size_t i = 0; i < 3; ++i) {
-        Result<std::vector<float>> values = vk::download<float>(device, out[i], size_t{table.row_count()} * 3);
+        Result<std::vector<float>> values =
+            vk::download<float>(device, out[i], size_t{table.row_count()} * 3);
         if (!values) return values.error();
         *results[i] = std::move(*values);
     }
@@ -124,8 +125,8 @@ Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span
 Result<void> PointRunner::check_validation() const {
     if (!context_ || context_->validation_message_count() == 0) return {};
     return Error{ErrorCode::vulkan_failure,
-                 plural(context_->validation_message_count(), "validation message") + ", the first: " +
-                     context_->first_validation_message()};
+                 plural(context_->validation_message_count(), "validation message") +
+                     ", the first: " + context_->first_validation_message()};
 }
 
 }  // namespace limn::cli

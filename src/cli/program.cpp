@@ -17,9 +17,10 @@ struct Choice {
 };
 constexpr Choice<Scheme> kSchemes[] = {
     {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}};
-constexpr Choice<BoundaryInterpolation> kBoundaries[] = {{"none", BoundaryInterpolation::none},
-                                                         {"edge-only", BoundaryInterpolation::edge_only},
-                                                         {"edge-and-corner", BoundaryInterpolation::edge_and_corner}};
+constexpr Choice<BoundaryInterpolation> kBoundaries[] = {
+    {"none", BoundaryInterpolation::none},
+    {"edge-only", BoundaryInterpolation::edge_only},
+    {"edge-and-corner", BoundaryInterpolation::edge_and_corner}};
 constexpr Choice<CreasingMethod> kCreasing[] = {{"uniform", CreasingMethod::uniform},
                                                 {"chaikin", CreasingMethod::chaikin}};
 constexpr Choice<TriangleSubdivision> kTriangles[] = {{"catmark", TriangleSubdivision::catmark},
@@ -48,7 +49,8 @@ T value_of(const Choice<T> (&choices)[N], const std::string& name) {
 }
 
 template <class T, size_t N>
-void override_tag(std::optional<T>& tag, const Choice<T> (&choices)[N], const std::optional<std::string>& name) {
+void override_tag(std::optional<T>& tag, const Choice<T> (&choices)[N],
+                  const std::optional<std::string>& name) {
     if (name) tag = value_of(choices, *name);
 }
 
@@ -95,13 +97,15 @@ void add_surface_options(CLI::App& command, SurfaceOptions& options) {
     command.add_option("--creasing", options.creasing, "Creasing method (default uniform)")
         ->check(CLI::IsMember(names(kCreasing)))
         ->group(group);
-    command.add_option("--triangles", options.triangles, "Catmull-Clark weights at triangles (default catmark)")
+    command
+        .add_option("--triangles", options.triangles, "Catmull-Clark weights at triangles (default catmark)")
         ->check(CLI::IsMember(names(kTriangles)))
         ->group(group);
     command.add_option("--fvar", options.face_varying, "Linear parts of texture coordinates (default all)")
         ->check(CLI::IsMember(names(kFaceVarying)))
         ->group(group);
-    command.add_option("--compat", options.compat, "Reproduce OpenSubdiv where it departs from its own limit")
+    command
+        .add_option("--compat", options.compat, "Reproduce OpenSubdiv where it departs from its own limit")
         ->check(CLI::IsMember(std::vector<std::string>{"none", "opensubdiv"}))
         ->capture_default_str()
         ->group(group);
@@ -129,11 +133,13 @@ void add_device_option(CLI::App& command, DeviceOption& option) {
                     "'auto' for the first discrete GPU, else what there is")
         ->check([](const std::string& text) -> std::string {
             if (text == "cpu" || text == "auto") return {};
-            const bool number = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == text.npos;
+            const bool number =
+                !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == text.npos;
             return number ? "" : "a device is a number, 'cpu' or 'auto', not '" + text + "'";
         })
         ->capture_default_str();
-    command.add_flag("--validation", option.validation, "Run under the Khronos validation layer; any message is an error");
+    command.add_flag("--validation", option.validation,
+                     "Run under the Khronos validation layer; any message is an error");
 }
 
 Progress::Progress() : visible_(isatty(STDERR_FILENO) != 0) {}

@@ -20,7 +20,8 @@ inline constexpr int kNoDevice = 3;
 /// One line on standard error; the exit status that goes with the error.
 int fail(const Error& error);
 
-/// Options about the surface. What the command line says goes before the model's tags, and those before defaults.
+/// Options about the surface. What the command line says goes before the model's tags, and those before
+/// defaults.
 struct SurfaceOptions {
     std::string scheme = "catmark";
     std::optional<std::string> boundary, creasing, triangles, face_varying;

@@ -66,9 +66,10 @@ void keep_faces(Refinement& refinement, Topology& out) {
     refinement = {};
 }
 
-/// Limits from the last points of a chain where those are past all semi-sharp features, else from the control points.
-Result<LimitPoints> evaluate_limits(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
-                                    Refinement& refinement, Topology& faces) {
+/// Limits from the last points of a chain where those are past all semi-sharp features, else from the control
+/// points.
+Result<LimitPoints> evaluate_limits(const Options& options, const LoadedModel& loaded,
+                                    const PointRunner& runner, Refinement& refinement, Topology& faces) {
     const bool chained = options.level >= std::max(1u, count_sharp_levels(refinement.levels[0]));
     if (!chained) {
         Result<StencilTable> table = build_limit_table<float>(refinement, options.level, true);
@@ -109,8 +110,8 @@ Result<void> refine_positions(const Options& options, const LoadedModel& loaded,
     return {};
 }
 
-Result<void> refine_texture_coordinates(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
-                                        Progress& progress, RefinedMesh& out) {
+Result<void> refine_texture_coordinates(const Options& options, const LoadedModel& loaded,
+                                        const PointRunner& runner, Progress& progress, RefinedMesh& out) {
     if (loaded.mesh.channels.empty()) return {};
     progress.show("refining texture coordinates");
     Result<Refinement> refinement = build_face_varying_refinement(loaded.mesh, 0, {options.level, false});
@@ -140,7 +141,8 @@ Result<void> write_mesh(const Options& options, RefinedMesh& mesh) {
     }
     output.face_vertices = mesh.topology.face_vertices;
     output.face_skip = mesh.topology.face_holes;
-    return ends_with(options.output, ".ply") ? write_ply(options.output, output) : write_obj(options.output, output);
+    return ends_with(options.output, ".ply") ? write_ply(options.output, output)
+                                             : write_obj(options.output, output);
 }
 
 int run(const Options& options) {
@@ -151,7 +153,8 @@ int run(const Options& options) {
     const Result<PointRunner> runner = PointRunner::create(options.device);
     if (!runner) return fail(runner.error());
     RefinedMesh mesh;
-    if (auto done = refine_positions(options, *loaded, *runner, progress, mesh); !done) return fail(done.error());
+    if (auto done = refine_positions(options, *loaded, *runner, progress, mesh); !done)
+        return fail(done.error());
     if (auto done = refine_texture_coordinates(options, *loaded, *runner, progress, mesh); !done)
         return fail(done.error());
     if (auto silent = runner->check_validation(); !silent) return fail(silent.error());
@@ -164,17 +167,21 @@ int run(const Options& options) {
 
 void add_refine(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
-    CLI::App* command = program.add_subcommand("refine", "Refine a model uniformly and write it as OBJ or PLY");
+    CLI::App* command =
+        program.add_subcommand("refine", "Refine a model uniformly and write it as OBJ or PLY");
     command->add_option("MODEL", options->model, "OBJ file")->required();
-    command->add_option("--level", options->level, "Refinement level, 0 to 10: every level has four times the faces")
+    command
+        ->add_option("--level", options->level,
+                     "Refinement level, 0 to 10: every level has four times the faces")
         ->check(CLI::Range(0u, kMaxRefinementLevel))
         ->capture_default_str();
     command->add_flag("--limit", options->limit, "Move the vertices to the limit surface, with its normals");
     command->add_option("-o,--output", options->output, "File to write: .obj or .ply (binary)")
         ->required()
         ->check([](const std::string& path) {
-            return ends_with(path, ".obj") || ends_with(path, ".ply") ? std::string()
-                                                                      : "'" + path + "' is neither .obj nor .ply";
+            return ends_with(path, ".obj") || ends_with(path, ".ply")
+                       ? std::string()
+                       : "'" + path + "' is neither .obj nor .ply";
         });
     add_surface_options(*command, options->surface);
     add_device_option(*command, options->device);

@@ -70,8 +70,8 @@ class Array {
     size_t bytes() const { return size_ * sizeof(T); }
 
   private:
-    /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that building a
-    /// table took went into page faults.
+    /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that
+    /// building a table took went into page faults.
     static void* allocate_bytes(size_t bytes) {
 #if defined(__linux__)
         constexpr size_t kHugePage = size_t{2} << 20;

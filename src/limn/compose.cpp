@@ -1,8 +1,9 @@
-// Rows over the control points are made face by face of the control mesh. All refined vertices over one face depend on
-// the ring of control points around it, so its neighbourhood is refined on its own and the steps compose in small dense
-// matrices, one column per ring point. Faces with equal neighbourhoods (most of a mesh) share the result, and each only
-// writes its own indices. The whole mesh is never refined and nothing the size of the table is held beside it. The
-// first pass finds row sizes (supports as bit sets), the second one writes rows.
+// Rows over the control points are made face by face of the control mesh. All refined vertices over one face
+// depend on the ring of control points around it, so its neighbourhood is refined on its own and the steps
+// compose in small dense matrices, one column per ring point. Faces with equal neighbourhoods (most of a
+// mesh) share the result, and each only writes its own indices. The whole mesh is never refined and nothing
+// the size of the table is held beside it. The first pass finds row sizes (supports as bit sets), the second
+// one writes rows.
 #include "limn/compose.h"
 
 #include <tbb/parallel_for.h>
@@ -22,11 +23,12 @@
 namespace limn {
 namespace {
 
-/// Where on a face a refined vertex lies. Border vertices belong to the first face around the control vertex or edge.
+/// Where on a face a refined vertex lies. Border vertices belong to the first face around the control vertex
+/// or edge.
 enum class Place : uint8_t { inside, edge, vertex };
 
-/// The refined vertices over a face of n corners, each by a corner of the refined faces, counted from the first over
-/// the face. `rotated[s]` are the same vertices where the walk starts at corner s.
+/// The refined vertices over a face of n corners, each by a corner of the refined faces, counted from the
+/// first over the face. `rotated[s]` are the same vertices where the walk starts at corner s.
 struct Block {
     std::vector<Place> places;
     std::vector<uint32_t> sides;  ///< the face's edge or corner that a border vertex lies on
@@ -85,10 +87,13 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
         const uint32_t v = last.face_vertices[q];
         if (seen[v]) continue;
         seen[v] = true;
-        block.places.push_back(v < n ? Place::vertex : sides[v] != kInvalidIndex ? Place::edge : Place::inside);
+        block.places.push_back(v < n                       ? Place::vertex
+                               : sides[v] != kInvalidIndex ? Place::edge
+                                                           : Place::inside);
         block.sides.push_back(v < n ? v : sides[v]);
         for (uint32_t s = 0; s < n; ++s)
-            block.rotated[s].push_back(level == 0 ? (q + s) % n : rotate_corner(options.scheme, n, level, q, s));
+            block.rotated[s].push_back(level == 0 ? (q + s) % n
+                                                  : rotate_corner(options.scheme, n, level, q, s));
     }
     return block;
 }
@@ -112,9 +117,9 @@ struct Job {
     bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
-/// The refinement over one face, written down: each step's rows over the points of the level before, for the points
-/// that are needed. Entries hold positions among those. Points of level 0 are in the order of the neighbourhood's ring.
-/// In limit tables the last step carries tangents.
+/// The refinement over one face, written down: each step's rows over the points of the level before, for the
+/// points that are needed. Entries hold positions among those. Points of level 0 are in the order of the
+/// neighbourhood's ring. In limit tables the last step carries tangents.
 struct Program {
     struct Step {
         std::vector<uint32_t> offsets;
@@ -129,7 +134,8 @@ struct Program {
 
 /// Appends one step whose rows are those of program.points; leaves the vertices it needs in program.points.
 template <class AppendRow>
-void write_step(Program& program, std::vector<uint32_t>& positions, Program::Step& step, const AppendRow& append_row) {
+void write_step(Program& program, std::vector<uint32_t>& positions, Program::Step& step,
+                const AppendRow& append_row) {
     step.offsets.assign(1, 0);
     step.entries.clear();
     program.sources.clear();
@@ -154,7 +160,8 @@ void write_program(const Job& job, const Member& member, Neighborhood& hood, Pro
     const bool limit = job.options.target != Target::refined;
     read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
     const LocalRefinementOptions options{job.options.level, limit, job.uncut()};
-    refine_locally(job.base(), hood.faces, job.block(member.face).rotated[member.rotation], options, program.local);
+    refine_locally(job.base(), hood.faces, job.block(member.face).rotated[member.rotation], options,
+                   program.local);
     const std::vector<Topology>& levels = program.local.levels;
     const size_t step_count = levels.size() - 1 + (limit ? 1 : 0);
     program.steps.resize(step_count);
@@ -167,7 +174,8 @@ void write_program(const Job& job, const Member& member, Neighborhood& hood, Pro
         const Topology& parent = levels[step];
         positions.assign(parent.vertex_count, kInvalidIndex);
         if (step == 0)
-            for (uint32_t v = 0; v < parent.vertex_count; ++v) positions[v] = hood.local(program.local.ring[v]);
+            for (uint32_t v = 0; v < parent.vertex_count; ++v)
+                positions[v] = hood.local(program.local.ring[v]);
         write_step(program, positions, program.steps[step], [&](uint32_t v, Row& row) {
             if (step + 1 == levels.size()) return limit_row(parent, v, row, program.tangents);
             const std::vector<uint32_t>& children = program.local.children[step + 1];
@@ -292,8 +300,9 @@ void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>&
     auto owns = [&](size_t i) {
         if (block.places[i] == Place::inside) return true;
         const uint32_t c = begin + (block.sides[i] + member.rotation) % size;
-        const uint32_t first = block.places[i] == Place::edge ? base.corners_of_edge(base.face_edges[c])[0]
-                                                              : base.corners_of_vertex(base.face_vertices[c])[0];
+        const uint32_t first = block.places[i] == Place::edge
+                                   ? base.corners_of_edge(base.face_edges[c])[0]
+                                   : base.corners_of_vertex(base.face_vertices[c])[0];
         return base.face_of_corner(first) == member.face;
     };
     for (size_t i = 0; i < corners.size(); ++i)
@@ -301,8 +310,8 @@ void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>&
 }
 
 template <class Real>
-void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows, BasicStencilTable<Real>& table,
-                Neighborhood& hood, std::vector<uint32_t>& vertices) {
+void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows,
+                BasicStencilTable<Real>& table, Neighborhood& hood, std::vector<uint32_t>& vertices) {
     read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
     const Array<uint32_t>& map = job.refinement.control_indices;
     if (!map.empty())
@@ -351,7 +360,8 @@ Groups group_faces(const Job& job) {
 template <class Body>
 void for_each_group(const Groups& groups, const Body& body) {
     tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        body(std::span<const Member>(groups.members.data() + groups.first[g], groups.first[g + 1] - groups.first[g]));
+        body(std::span<const Member>(groups.members.data() + groups.first[g],
+                                     groups.first[g + 1] - groups.first[g]));
     });
 }
 

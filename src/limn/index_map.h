@@ -26,7 +26,9 @@ class IndexMap {
     uint32_t find(uint32_t key) const { return direct_.empty() ? hashed_find(key) : direct_[key]; }
 
   private:
-    uint32_t slot_of(uint32_t key) const { return (key * 2654435769u) >> 7 & static_cast<uint32_t>(slots_.size() - 1); }
+    uint32_t slot_of(uint32_t key) const {
+        return (key * 2654435769u) >> 7 & static_cast<uint32_t>(slots_.size() - 1);
+    }
     uint32_t hashed_find_or_insert(uint32_t key, uint32_t next);
     uint32_t hashed_find(uint32_t key) const;
     void grow();

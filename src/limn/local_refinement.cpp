@@ -8,8 +8,8 @@
 namespace limn {
 namespace {
 
-/// Copies faces of one topology to another, with everything attached to them. Stars keep their order and lose what lies
-/// outside.
+/// Copies faces of one topology to another, with everything attached to them. Stars keep their order and lose
+/// what lies outside.
 struct Extraction {
     const Topology& from;
     const std::vector<uint32_t>& faces;
@@ -75,7 +75,8 @@ void extract_edges(Extraction& x) {
         const uint32_t e = x.edges[i];
         to.edge_corner_offsets[i] = at;
         for (const uint32_t c : from.corners_of_edge(e))
-            if (const uint32_t corner = x.local_corner(c); corner != IndexMap::kMissing) to.edge_corners[at++] = corner;
+            if (const uint32_t corner = x.local_corner(c); corner != IndexMap::kMissing)
+                to.edge_corners[at++] = corner;
         to.edge_sharpness[i] = from.edge_sharpness[e];
         for (uint32_t end = 0; end < 2; ++end) {
             to.edge_vertices[2 * i + end] = x.local_vertex.find(from.edge_vertices[2 * e + end]);
@@ -107,7 +108,8 @@ void extract_vertices(Extraction& x) {
             if (const uint32_t corner = x.local_corner(c); corner != IndexMap::kMissing)
                 to.vertex_corners[corner_at++] = corner;
         for (const uint32_t e : from.edges_of_vertex(v))
-            if (const uint32_t edge = x.local_edge.find(e); edge != IndexMap::kMissing) to.vertex_edges[edge_at++] = edge;
+            if (const uint32_t edge = x.local_edge.find(e); edge != IndexMap::kMissing)
+                to.vertex_edges[edge_at++] = edge;
         to.vertex_sharpness[i] = from.vertex_sharpness[v];
         to.vertex_rules[i] = from.vertex_rules[v];
         to.vertex_manifold[i] = from.vertex_manifold[v];
@@ -129,7 +131,14 @@ void extract_vertices(Extraction& x) {
 Topology extract(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices) {
     Topology to;
     vertices.clear();
-    Extraction x{from,     faces, to, vertices, {}, IndexMap(from.vertex_count), IndexMap(from.edge_count), IndexMap(from.face_count)};
+    Extraction x{from,
+                 faces,
+                 to,
+                 vertices,
+                 {},
+                 IndexMap(from.vertex_count),
+                 IndexMap(from.edge_count),
+                 IndexMap(from.face_count)};
     extract_corners(x);
     extract_edges(x);
     extract_vertices(x);
@@ -145,7 +154,8 @@ void append_faces_around(const Topology& t, std::vector<uint8_t>& flags, std::ve
     for (uint32_t f = 0; f < t.face_count; ++f) {
         if (taken[f] != 0) continue;
         const auto vertices = t.vertices_of_face(f);
-        if (std::any_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return flags[v] != 0; })) faces.push_back(f);
+        if (std::any_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return flags[v] != 0; }))
+            faces.push_back(f);
     }
 }
 
@@ -161,8 +171,10 @@ std::vector<uint32_t> faces_touching(const Topology& t, uint32_t centre_count) {
     return faces;
 }
 
-/// The faces around some vertices of t; with `uncut`, whose corners are those of t, also the ones beyond seams there.
-std::vector<uint32_t> faces_around(const Topology& t, const Topology* uncut, const std::vector<uint32_t>& vertices) {
+/// The faces around some vertices of t; with `uncut`, whose corners are those of t, also the ones beyond
+/// seams there.
+std::vector<uint32_t> faces_around(const Topology& t, const Topology* uncut,
+                                   const std::vector<uint32_t>& vertices) {
     std::vector<uint32_t> faces;
     std::vector<uint8_t> flags(t.vertex_count, 0);
     for (const uint32_t v : vertices) flags[v] = 1;
@@ -184,8 +196,9 @@ void renumber(const std::vector<uint32_t>& vertices, std::vector<uint32_t>& numb
 
 /// How many children the first `centre_count` faces have.
 uint32_t centre_children(const Topology& parent, uint32_t centre_count) {
-    return parent.options.scheme == Scheme::loop ? 4 * centre_count : parent.face_begin(centre_count - 1) +
-                                                                           parent.size_of_face(centre_count - 1);
+    return parent.options.scheme == Scheme::loop
+               ? 4 * centre_count
+               : parent.face_begin(centre_count - 1) + parent.size_of_face(centre_count - 1);
 }
 
 }  // namespace
@@ -220,8 +233,9 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
         if (full) {
             if (chaikin) uncut = refine_once(uncut, true);
             const bool beyond = level >= options.level;
-            const std::vector<uint32_t> kept = beyond ? faces_around(child, chaikin ? &uncut : nullptr, out.targets)
-                                                      : faces_touching(chaikin ? uncut : child, centre_count);
+            const std::vector<uint32_t> kept =
+                beyond ? faces_around(child, chaikin ? &uncut : nullptr, out.targets)
+                       : faces_touching(chaikin ? uncut : child, centre_count);
             if (chaikin) uncut = extract(uncut, kept, vertices);
             child = extract(child, kept, vertices);
             if (beyond) renumber(vertices, out.targets);
@@ -235,7 +249,8 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
 
 namespace {
 
-/// A refined face as the whole mesh numbers it: id, corners, the edges that begin there and which end of them that is.
+/// A refined face as the whole mesh numbers it: id, corners, the edges that begin there and which end of them
+/// that is.
 struct GlobalFace {
     uint32_t id;
     uint32_t vertices[4], edges[4], ends[4];
@@ -245,10 +260,10 @@ struct Side {
     uint32_t vertex, edge, end;
 };
 
-/// Child of a face at corner c (its number at the parent's level), between `side` there and `previous`; `slot` is the
-/// corner of the child at the parent's vertex. Mirrors split_quad_faces.
-GlobalFace quad_child(const LevelCounts& p, uint32_t parent, uint32_t c, uint32_t previous_c, const Side& side,
-                      const Side& previous, uint32_t slot) {
+/// Child of a face at corner c (its number at the parent's level), between `side` there and `previous`;
+/// `slot` is the corner of the child at the parent's vertex. Mirrors split_quad_faces.
+GlobalFace quad_child(const LevelCounts& p, uint32_t parent, uint32_t c, uint32_t previous_c,
+                      const Side& side, const Side& previous, uint32_t slot) {
     GlobalFace child;
     child.id = c;
     const uint32_t first_edge_vertex = p.vertices + p.faces;
@@ -317,8 +332,8 @@ struct Descent {
 
 }  // namespace
 
-void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& counts, uint32_t level, uint32_t f,
-                        std::vector<uint32_t>& vertices) {
+void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& counts, uint32_t level,
+                        uint32_t f, std::vector<uint32_t>& vertices) {
     const uint32_t begin = base.face_begin(f), size = base.size_of_face(f);
     if (level == 0) {
         vertices.assign(base.face_vertices.begin() + begin, base.face_vertices.begin() + begin + size);
@@ -329,7 +344,9 @@ void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& co
     for (uint32_t l = 0; l < level; ++l) count *= 4;
     vertices.resize(count);
     Descent descent{counts, level, vertices.data(), triangles};
-    auto side = [&](uint32_t c) { return Side{base.face_vertices[c], base.face_edges[c], base.end_at_corner(c)}; };
+    auto side = [&](uint32_t c) {
+        return Side{base.face_vertices[c], base.face_edges[c], base.end_at_corner(c)};
+    };
     if (triangles) {
         GlobalFace face{f, {}, {}, {}};
         for (uint32_t j = 0; j < 3; ++j) {

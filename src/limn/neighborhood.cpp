@@ -31,13 +31,15 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
     return best;
 }
 
-/// The star, in `t`, of the vertex at `corner`: counter-clockwise from that corner where it is closed, else as listed.
-/// Its vertices are told as those of `base`, whose corners are the same.
-void read_star(const Topology& t, const Topology& base, uint32_t corner, bool with_starts, Neighborhood& out) {
+/// The star, in `t`, of the vertex at `corner`: counter-clockwise from that corner where it is closed, else
+/// as listed. Its vertices are told as those of `base`, whose corners are the same.
+void read_star(const Topology& t, const Topology& base, uint32_t corner, bool with_starts,
+               Neighborhood& out) {
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
-    const auto own = static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    const auto own =
+        static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
     const bool closed = t.vertex_manifold[v] != 0 && corners.size() == edges.size();
     const uint32_t shift = closed ? own : 0;
     auto put = [&](uint32_t x) { out.signature.push_back(x); };
@@ -69,7 +71,8 @@ void read_star(const Topology& t, const Topology& base, uint32_t corner, bool wi
 
 }  // namespace
 
-void read_neighborhood(const Topology& t, const Topology* uncut, uint32_t f, bool with_starts, Neighborhood& out) {
+void read_neighborhood(const Topology& t, const Topology* uncut, uint32_t f, bool with_starts,
+                       Neighborhood& out) {
     out.ring.clear();
     out.faces.assign(1, f);
     out.signature.clear();

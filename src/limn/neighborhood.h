@@ -29,11 +29,12 @@ struct Neighborhood {
     }
 };
 
-/// Walks around face f of a base level. `uncut` is the mesh that a face-varying base with Chaikin creasing was cut from:
-/// then the walk takes in what lies beyond seams; else null. `with_starts` tells apart where the stars of closed vertices
-/// start, which decides the sides that tangents are taken on. Two faces of one mesh whose signatures are equal have
-/// equal stencils, ring position by ring position, at every level.
-void read_neighborhood(const Topology& base, const Topology* uncut, uint32_t f, bool with_starts, Neighborhood& out);
+/// Walks around face f of a base level. `uncut` is the mesh that a face-varying base with Chaikin creasing
+/// was cut from: then the walk takes in what lies beyond seams; else null. `with_starts` tells apart where
+/// the stars of closed vertices start, which decides the sides that tangents are taken on. Two faces of one
+/// mesh whose signatures are equal have equal stencils, ring position by ring position, at every level.
+void read_neighborhood(const Topology& base, const Topology* uncut, uint32_t f, bool with_starts,
+                       Neighborhood& out);
 
 /// 128 bits of the signature.
 std::array<uint64_t, 2> hash_signature(const std::vector<uint32_t>& signature);

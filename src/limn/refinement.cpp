@@ -254,7 +254,8 @@ void split_vertices(const Split& s, bool full) {
 
 VertexRule child_rule_of_vertex(const Topology& p, uint32_t v) {
     uint32_t sharp = 0;
-    for_each_edge_end(p, v, [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
+    for_each_edge_end(p, v,
+                      [&](uint32_t e, uint32_t end) { sharp += p.child_sharpness_of_edge(e, end) > 0; });
     const size_t pair = p.find_dependent(v);
     if (pair == Topology::kNotDependent) return vertex_rule(child_sharpness(p.vertex_sharpness[v]), sharp);
     const uint32_t leader = p.dependent_vertices[2 * pair + 1];
@@ -291,7 +292,8 @@ void copy_half_edge_sharpness(const Topology& uncut, Topology& channel) {
         channel.half_edge_sharpness[2 * to + 1 - to_end] = uncut.half_edge_sharpness[2 * from + 1 - from_end];
     }
     for (size_t i = 0; i < channel.dependent_seam_sharpness.size(); ++i) {
-        const uint32_t v = uncut.face_vertices[channel.corners_of_vertex(channel.dependent_vertices[2 * i])[0]];
+        const uint32_t v =
+            uncut.face_vertices[channel.corners_of_vertex(channel.dependent_vertices[2 * i])[0]];
         float& largest = channel.dependent_seam_sharpness[i] = 0;
         for (const uint32_t e : uncut.edges_of_vertex(v)) {
             const uint32_t c = uncut.corners_of_edge(e)[0];
@@ -315,7 +317,8 @@ Result<std::vector<LevelCounts>> count_levels(const Topology& base, uint32_t lev
     if (level > kMaxRefinementLevel)
         return Error{ErrorCode::invalid_argument, "refinement level " + std::to_string(level) + " is above " +
                                                       std::to_string(kMaxRefinementLevel)};
-    std::vector<LevelCounts> counts{{base.vertex_count, base.edge_count, base.face_count, base.corner_count()}};
+    std::vector<LevelCounts> counts{
+        {base.vertex_count, base.edge_count, base.face_count, base.corner_count()}};
     const bool triangles = base.options.scheme == Scheme::loop;
     for (uint32_t l = 1; l <= level; ++l) {
         const LevelCounts& p = counts.back();
@@ -341,7 +344,8 @@ Result<void> refine_levels(const RefinementOptions& options, Refinement& refinem
             copy_half_edge_sharpness(before, refinement.levels.back());
             uncut = refine_once(before, true);
         }
-        refinement.levels.push_back(refine_once(refinement.last(), level < options.level || options.full_last_level));
+        refinement.levels.push_back(
+            refine_once(refinement.last(), level < options.level || options.full_last_level));
     }
     return {};
 }
@@ -359,12 +363,15 @@ Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOpt
 Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32_t channel,
                                                  const RefinementOptions& options) {
     if (channel >= mesh.channels.size())
-        return Error{ErrorCode::index_out_of_range, "face-varying channel " + std::to_string(channel) + " of " +
-                                                        std::to_string(mesh.channels.size()), channel};
+        return Error{
+            ErrorCode::index_out_of_range,
+            "face-varying channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
+            channel};
     Refinement refinement;
     refinement.control_count = mesh.channels[channel].value_count;
     Topology uncut = build_topology(mesh);
-    refinement.levels.push_back(build_face_varying_topology(mesh, uncut, channel, refinement.control_indices));
+    refinement.levels.push_back(
+        build_face_varying_topology(mesh, uncut, channel, refinement.control_indices));
     if (!refinement.levels[0].half_edge_sharpness.empty()) {
         copy_half_edge_sharpness(uncut, refinement.levels[0]);
         refinement.uncut.push_back(std::move(uncut));

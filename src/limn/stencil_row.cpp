@@ -45,7 +45,8 @@ void add_edge_point(const Topology& p, uint32_t e, double smooth, Row& row) {
 }
 
 void edge_row(const Topology& p, uint32_t e, bool linear, Row& row) {
-    const double smooth = linear ? 0 : edge_smooth_share(p.options, p.edge_sharpness[e], child_rule_of_edge(p, e));
+    const double smooth =
+        linear ? 0 : edge_smooth_share(p.options, p.edge_sharpness[e], child_rule_of_edge(p, e));
     if (smooth != 0 && p.corners_of_edge(e).size() == 2) return add_edge_point(p, e, smooth, row);
     add(row, p.edge_vertices[2 * e], 0.5);
     add(row, p.edge_vertices[2 * e + 1], 0.5);
@@ -123,7 +124,8 @@ void vertex_row(const Topology& p, uint32_t v, bool linear, Row& row) {
     add_vertex_of_rule(p, v, child_rule, true, 1 - share, row);
 }
 
-/// Around a vertex whose faces form no single fan: position by rule, tangents along the sides of its first face.
+/// Around a vertex whose faces form no single fan: position by rule, tangents along the sides of its first
+/// face.
 void non_manifold_limit_row(const Topology& t, uint32_t v, Row& row, std::vector<TangentWeights>& tangents) {
     auto append = [&](uint32_t index, double weight, double tangent1, double tangent2) {
         row.push_back({index, weight});
@@ -159,9 +161,12 @@ LimitStar limit_star(const Topology& t, uint32_t v) {
 void refinement_row(const Topology& p, uint32_t child, Interpolation interpolation, Row& row) {
     const bool linear = interpolation == Interpolation::varying || p.options.scheme == Scheme::bilinear;
     const uint32_t first_edge_child = child_of_edge(p, 0);
-    if (child < p.vertex_count) vertex_row(p, child, linear, row);
-    else if (child < first_edge_child) add_centroid(p, child - p.vertex_count, 1, row);
-    else edge_row(p, child - first_edge_child, linear, row);
+    if (child < p.vertex_count)
+        vertex_row(p, child, linear, row);
+    else if (child < first_edge_child)
+        add_centroid(p, child - p.vertex_count, 1, row);
+    else
+        edge_row(p, child - first_edge_child, linear, row);
 }
 
 void limit_row(const Topology& t, uint32_t v, Row& row, std::vector<TangentWeights>& tangents) {

@@ -9,8 +9,8 @@
 
 namespace limn {
 
-/// An index may occur more than once in a row; its weights then add up. Around alike vertices rows list their entries
-/// in the same order.
+/// An index may occur more than once in a row; its weights then add up. Around alike vertices rows list their
+/// entries in the same order.
 struct RowEntry {
     uint32_t index;
     double weight;
@@ -25,8 +25,8 @@ struct TangentWeights {
 /// Appends the row of vertex `child` of the level after `parent`.
 void refinement_row(const Topology& parent, uint32_t child, Interpolation interpolation, Row& row);
 
-/// Appends the limit position and, one for each entry, the tangents of vertex v of a full level whose faces all have
-/// the scheme's own size.
+/// Appends the limit position and, one for each entry, the tangents of vertex v of a full level whose faces
+/// all have the scheme's own size.
 void limit_row(const Topology& level, uint32_t v, Row& row, std::vector<TangentWeights>& tangents);
 
 }  // namespace limn

@@ -23,8 +23,10 @@ void merge_repeated(Row& row) {
     for (const RowEntry& entry : row) {
         size_t k = row.size() > kLong && out > 0 ? out - 1 : 0;
         while (k < out && row[k].index != entry.index) ++k;
-        if (k < out) row[k].weight += entry.weight;
-        else row[out++] = entry;
+        if (k < out)
+            row[k].weight += entry.weight;
+        else
+            row[out++] = entry;
     }
     row.resize(out);
 }
@@ -117,9 +119,10 @@ Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement
 }
 
 template <class Real>
-Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level, bool tangents) {
-    return compose<Real>(refinement,
-                         {level, Interpolation::vertex, tangents ? Target::limit_with_tangents : Target::limit});
+Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level,
+                                                  bool tangents) {
+    return compose<Real>(
+        refinement, {level, Interpolation::vertex, tangents ? Target::limit_with_tangents : Target::limit});
 }
 
 template <class Real>
@@ -127,10 +130,11 @@ Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinem
     const Topology& last = refinement.last();
     const uint32_t size = last.options.scheme == Scheme::loop ? 3 : 4;
     if (last.face_edges.empty())
-        return Error{ErrorCode::unsupported, "limits of a level need a refinement built with full_last_level"};
-    if (last.face_size != size && last.options.scheme != Scheme::bilinear)
         return Error{ErrorCode::unsupported,
-                     "limits of a level need faces of " + std::to_string(size) + " vertices: refine at least once"};
+                     "limits of a level need a refinement built with full_last_level"};
+    if (last.face_size != size && last.options.scheme != Scheme::bilinear)
+        return Error{ErrorCode::unsupported, "limits of a level need faces of " + std::to_string(size) +
+                                                 " vertices: refine at least once"};
     BasicStencilTable<Real> table;
     table.source_count = last.vertex_count;
     table.offsets.allocate(size_t{last.vertex_count} + 1);
@@ -198,8 +202,8 @@ void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const R
     template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation); \
     template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t,              \
                                                                  Interpolation);                           \
-    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);                 \
-    template Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement&, bool);                   \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);         \
+    template Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement&, bool);              \
     template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>,               \
                                       std::span<Real>, uint32_t);
 LIMN_INSTANTIATE(float)

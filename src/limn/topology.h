@@ -28,10 +28,10 @@ struct Topology {
     Array<uint32_t> face_vertices;  ///< corner_count()
     // What follows, down to vertex_rules, is empty in the last level of a Refinement built without
     // full_last_level.
-    Array<uint32_t> face_edges;             ///< corner_count()
-    Array<uint32_t> edge_vertices;          ///< 2 * edge_count
-    Array<uint32_t> edge_corner_offsets;    ///< edge_count + 1
-    Array<uint32_t> edge_corners;           ///< corners at which each edge begins in its faces (base level: ascending)
+    Array<uint32_t> face_edges;           ///< corner_count()
+    Array<uint32_t> edge_vertices;        ///< 2 * edge_count
+    Array<uint32_t> edge_corner_offsets;  ///< edge_count + 1
+    Array<uint32_t> edge_corners;  ///< corners at which each edge begins in its faces (base level: ascending)
     Array<uint32_t> vertex_corner_offsets;  ///< vertex_count + 1
     Array<uint32_t> vertex_corners;         ///< corner_count()
     Array<uint32_t> vertex_edge_offsets;    ///< vertex_count + 1
@@ -41,10 +41,12 @@ struct Topology {
         half_edge_sharpness;  ///< Chaikin creasing: 2 * edge_count, see child_edge_sharpness; else empty
     Array<float> vertex_sharpness;   ///< vertex_count
     Array<uint8_t> vertex_manifold;  ///< vertex_count; 1 where the faces form one fan
-    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending. Mostly empty.
+    /// Face-varying values whose rule follows another's: pairs (vertex, the one it follows), ascending.
+    /// Mostly empty.
     Array<uint32_t> dependent_vertices;
-    /// One per pair: the largest finite sharpness that the mesh's edges along the seam there have in the next level.
-    /// While it lasts, a value that has stopped following stays a corner for one more level, as in OpenSubdiv.
+    /// One per pair: the largest finite sharpness that the mesh's edges along the seam there have in the next
+    /// level. While it lasts, a value that has stopped following stays a corner for one more level, as in
+    /// OpenSubdiv.
     Array<float> dependent_seam_sharpness;
     // Kept in every level.
     Array<VertexRule> vertex_rules;  ///< vertex_count
@@ -97,10 +99,13 @@ struct Topology {
         size_t low = 0, high = dependent_seam_sharpness.size();
         while (low < high) {
             const size_t middle = (low + high) / 2;
-            if (dependent_vertices[2 * middle] < v) low = middle + 1;
-            else high = middle;
+            if (dependent_vertices[2 * middle] < v)
+                low = middle + 1;
+            else
+                high = middle;
         }
-        return low < dependent_seam_sharpness.size() && dependent_vertices[2 * low] == v ? low : kNotDependent;
+        return low < dependent_seam_sharpness.size() && dependent_vertices[2 * low] == v ? low
+                                                                                         : kNotDependent;
     }
     /// The vertex whose sharpness decides the rule of v: v itself, unless it is a dependent vertex.
     uint32_t leading_vertex(uint32_t v) const {

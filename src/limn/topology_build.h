@@ -49,9 +49,9 @@ VertexRule child_rule_of_edge(const Topology& parent, uint32_t e);
 /// One refinement step. `full`: with edges and stars.
 Topology refine_once(const Topology& parent, bool full);
 
-/// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a channel's
-/// level the half_edge_sharpness (and dependent_seam_sharpness) that the uncut level has for them. Corners of both
-/// correspond.
+/// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a
+/// channel's level the half_edge_sharpness (and dependent_seam_sharpness) that the uncut level has for them.
+/// Corners of both correspond.
 void copy_half_edge_sharpness(const Topology& uncut, Topology& channel);
 
 /// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
