@@ -124,7 +124,8 @@ TEST(StencilTable, rows_are_well_formed) {
 template <class Real>
 bool indices_are_unique(const BasicStencilTable<Real>& table) {
     for (uint32_t r = 0; r < table.row_count(); ++r) {
-        std::vector<uint32_t> row(table.indices.begin() + table.offsets[r], table.indices.begin() + table.offsets[r + 1]);
+        std::vector<uint32_t> row(table.indices.begin() + table.offsets[r],
+                                  table.indices.begin() + table.offsets[r + 1]);
         std::sort(row.begin(), row.end());
         if (std::adjacent_find(row.begin(), row.end()) != row.end()) return false;
     }
@@ -147,7 +148,8 @@ TEST(StencilTable, alike_rows_list_alike_weights) {
     ASSERT_TRUE(table);
     std::set<std::vector<double>> patterns;
     for (uint32_t r = 0; r < table->row_count(); ++r)
-        patterns.emplace(table->weights.begin() + table->offsets[r], table->weights.begin() + table->offsets[r + 1]);
+        patterns.emplace(table->weights.begin() + table->offsets[r],
+                         table->weights.begin() + table->offsets[r + 1]);
     EXPECT_EQ(patterns.size(), 3u);  // vertex, face and edge points of a regular mesh
 }
 

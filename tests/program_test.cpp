@@ -1,0 +1,186 @@
+// The program as scripts see it: exit statuses, one-line errors, files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "limn/obj.h"
+
+namespace limn {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int status = -1;
+    std::string output, errors;
+};
+
+class Program : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string name = (fs::temp_directory_path() / "limn_program_XXXXXX").string();
+        ASSERT_NE(mkdtemp(name.data()), nullptr);
+        folder_ = name;
+        write("cube.obj", kCube);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+    std::string read(const std::string& name) const {
+        std::ifstream in(path(name));
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+
+    Outcome run(const std::string& arguments) const {
+        const std::string command = "cd '" + folder_.string() + "' && " LIMN_PROGRAM " " + arguments +
+                                    " >out.txt 2>err.txt </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
+    }
+
+    /// Fails with this status, one line on standard error that holds `cause`, and writes no file.
+    void expect_failure(const std::string& arguments, int status, const std::string& cause) const {
+        SCOPED_TRACE(arguments);
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.status, status);
+        EXPECT_NE(outcome.errors.find(cause), std::string::npos) << outcome.errors;
+        if (status != 2) {  // usage errors point to --help in a second line
+            EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+        }
+        for (const auto& entry : fs::directory_iterator(folder_))
+            EXPECT_EQ(entry.path().filename().string().rfind("result", 0), std::string::npos) << entry.path();
+    }
+
+    static constexpr const char* kCube =
+        "v -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 -1\nv 1 -1 -1\n"
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "f 1/1 2/2 4/3 3/4\nf 3/1 4/2 6/3 5/4\nf 5/1 6/2 8/3 7/4\nf 7/1 8/2 2/3 1/4\nf 2/1 8/2 6/3 4/4\n"
+        "f 7/1 1/2 3/3 5/4\nt crease 2/1/0 0 1 2.5\n";
+    fs::path folder_;
+};
+
+TEST_F(Program, says_what_a_model_is_made_of) {
+    const Outcome text = run("info cube.obj");
+    EXPECT_EQ(text.status, 0);
+    EXPECT_NE(text.output.find("8 vertices, 12 edges, 6 faces"), std::string::npos) << text.output;
+    EXPECT_NE(text.output.find("semi-sharp edges: 1"), std::string::npos);
+    const Outcome json = run("info cube.obj --json");
+    EXPECT_EQ(json.status, 0);
+    EXPECT_NE(json.output.find("\"largest_finite_sharpness\": 2.5"), std::string::npos) << json.output;
+    EXPECT_NE(json.output.find("\"edges\": 12"), std::string::npos);
+}
+
+TEST_F(Program, refines_on_the_device_as_on_the_host) {
+    for (const char* more : {"", " --limit", " --scheme bilinear", " --boundary none --creasing chaikin"}) {
+        SCOPED_TRACE(more);
+        ASSERT_EQ(run(std::string("refine cube.obj --level 3 -o device.obj --validation") + more).status, 0);
+        ASSERT_EQ(run(std::string("refine cube.obj --level 3 -o host.obj --device cpu") + more).status, 0);
+        const auto device = read_obj(path("device.obj")), host = read_obj(path("host.obj"));
+        ASSERT_TRUE(device && host);
+        EXPECT_EQ(device->face_vertices, host->face_vertices);
+        EXPECT_EQ(device->face_count(), 6u * 64);
+        EXPECT_EQ(device->face_texture_coordinates.size(), device->face_vertices.size());
+        ASSERT_EQ(device->positions.size(), host->positions.size());
+        for (size_t i = 0; i < device->positions.size(); ++i)
+            EXPECT_NEAR(device->positions[i], host->positions[i], 4e-6);
+    }
+}
+
+TEST_F(Program, level_zero_keeps_the_mesh_or_moves_it_to_the_limit) {
+    ASSERT_EQ(run("refine cube.obj --level 0 -o same.obj").status, 0);
+    const auto same = read_obj(path("same.obj")), cube = read_obj(path("cube.obj"));
+    ASSERT_TRUE(same && cube);
+    EXPECT_EQ(same->positions, cube->positions);
+    EXPECT_EQ(same->face_vertices, cube->face_vertices);
+    // The limit of vertex 0 does not depend on the level that it is asked at.
+    ASSERT_EQ(run("refine cube.obj --level 0 --limit -o limit0.obj").status, 0);
+    ASSERT_EQ(run("refine cube.obj --level 4 --limit -o limit4.obj").status, 0);
+    const auto limit0 = read_obj(path("limit0.obj")), limit4 = read_obj(path("limit4.obj"));
+    ASSERT_TRUE(limit0 && limit4);
+    for (size_t i = 0; i < 24; ++i) EXPECT_NEAR(limit0->positions[i], limit4->positions[i], 2e-6);
+}
+
+TEST_F(Program, writes_ply) {
+    ASSERT_EQ(run("refine cube.obj --level 2 --limit -o cube.ply").status, 0);
+    const std::string ply = read("cube.ply");
+    EXPECT_EQ(ply.rfind("ply\nformat binary_little_endian 1.0\n", 0), 0u);
+    EXPECT_NE(ply.find("element face 96\n"), std::string::npos);
+}
+
+TEST_F(Program, leaves_out_holes) {
+    write("holes.obj", std::string(kCube) + "t hole 1/0/0 0\n");
+    ASSERT_EQ(run("refine holes.obj --level 2 -o holes2.obj").status, 0);
+    const auto refined = read_obj(path("holes2.obj"));
+    ASSERT_TRUE(refined);
+    EXPECT_EQ(refined->face_count(), 5u * 16);
+}
+
+TEST_F(Program, agrees_with_opensubdiv) {
+    const Outcome outcome = run("check cube.obj cube.obj --level 4");
+    EXPECT_EQ(outcome.status, 0) << outcome.output << outcome.errors;
+    EXPECT_NE(outcome.output.find("all within tolerance"), std::string::npos);
+    EXPECT_NE(outcome.output.find("texture coordinates"), std::string::npos);
+}
+
+TEST_F(Program, lists_devices) {
+    const Outcome outcome = run("devices");
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_EQ(outcome.output.rfind("0  ", 0), 0u) << outcome.output;
+}
+
+TEST_F(Program, helps) {
+    for (const char* arguments : {"--help", "refine --help", "check --help"}) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.status, 0);
+        EXPECT_NE(outcome.output.find("Usage"), std::string::npos);
+        EXPECT_TRUE(outcome.errors.empty());
+    }
+    EXPECT_EQ(run("--version").output.rfind("limn ", 0), 0u);
+}
+
+TEST_F(Program, refuses_bad_usage) {
+    expect_failure("", 2, "subcommand");
+    expect_failure("frobnicate", 2, "frobnicate");
+    expect_failure("refine cube.obj", 2, "output");
+    expect_failure("refine cube.obj --level 11 -o result.obj", 2, "level");
+    expect_failure("refine cube.obj -o result.stl", 2, "result.stl");
+    expect_failure("refine cube.obj -o result.obj --scheme doo", 2, "scheme");
+    expect_failure("refine cube.obj -o result.obj --device gpu", 2, "gpu");
+}
+
+TEST_F(Program, refuses_bad_input_with_file_line_and_cause) {
+    expect_failure("refine missing.obj -o result.obj", 1, "missing.obj: ");
+    write("broken.obj", "v 0 0 0\nv 1 0 0\nv x 1 0\nf 1 2 3\n");
+    expect_failure("refine broken.obj -o result.obj", 1, "broken.obj:3: ");
+    write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    expect_failure("info range.obj", 1, "range.obj:4: ");
+    write("crease.obj",
+          "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt crease 2/1/0 0 1 1\nt crease 2/1/0 0 2 1\n");
+    expect_failure("refine crease.obj -o result.obj", 1, "crease.obj:7: ");
+    expect_failure("refine cube.obj --scheme loop -o result.obj", 1, "cube.obj:13: ");
+    expect_failure("refine cube.obj -o nowhere/result.obj", 1, "nowhere/result.obj: ");
+    expect_failure("check cube.obj missing.obj", 1, "missing.obj: ");
+}
+
+TEST_F(Program, says_when_there_is_no_such_device) {
+    expect_failure("refine cube.obj -o result.obj --device 99", 3, "99");
+}
+
+TEST_F(Program, refuses_levels_that_do_not_fit) {
+    std::string grid;
+    for (int i = 0; i < 4; ++i) grid += "v " + std::to_string(i % 2) + " " + std::to_string(i / 2) + " 0\n";
+    for (int i = 0; i < 3000; ++i) grid += "f 1 2 4 3\n";
+    write("many.obj", grid);
+    expect_failure("refine many.obj --level 10 -o result.obj", 1, "2^31 - 1");
+}
+
+}  // namespace
+}  // namespace limn
