@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <map>
 #include <vector>
@@ -265,28 +266,35 @@ void run_weights(const Program& program, Weights& w) {
 /// Rows of the targets over ring positions, zeros left out: what all members of a group copy.
 template <class Real>
 struct SharedRows {
-    std::vector<uint32_t> offsets, positions;
+    std::vector<uint32_t> offsets;
+    std::vector<uint16_t> positions;  ///< compose refuses larger rings
     std::vector<Real> weights, tangent1, tangent2;
+
+    bool empty() const { return offsets.empty(); }
 };
 
 template <class Real>
 void share_rows(const Supports& s, const Weights& w, SharedRows<Real>& out) {
-    const size_t rows = w.stride == 0 ? 0 : w.rows.size() / w.stride;
-    out.positions.reserve(rows * 16);
-    out.weights.reserve(rows * 16);
+    const size_t rows = w.rows.size() / w.stride;
+    const bool tangents = !w.tangent1.empty();
     out.offsets.assign(1, 0);
-    for (size_t r = 0; r < rows; ++r) {
+    for (size_t r = 0; r < rows; ++r) out.offsets.push_back(out.offsets.back() + support_size(s, r));
+    const size_t entries = out.offsets.back();
+    out.positions.resize(entries);
+    out.weights.resize(entries);
+    if (tangents) out.tangent1.resize(entries);
+    if (tangents) out.tangent2.resize(entries);
+    size_t at = 0;
+    for (size_t r = 0; r < rows; ++r)
         for (uint32_t word = 0; word < s.words; ++word)
-            for (uint64_t bits = s.bits[r * s.words + word]; bits != 0; bits &= bits - 1) {
+            for (uint64_t bits = s.bits[r * s.words + word]; bits != 0; bits &= bits - 1, ++at) {
                 const uint32_t i = word * 64 + static_cast<uint32_t>(std::countr_zero(bits));
-                out.positions.push_back(i);
-                out.weights.push_back(static_cast<Real>(w.rows[r * w.stride + i]));
-                if (w.tangent1.empty()) continue;
-                out.tangent1.push_back(static_cast<Real>(w.tangent1[r * w.stride + i]));
-                out.tangent2.push_back(static_cast<Real>(w.tangent2[r * w.stride + i]));
+                out.positions[at] = static_cast<uint16_t>(i);
+                out.weights[at] = static_cast<Real>(w.rows[r * w.stride + i]);
+                if (!tangents) continue;
+                out.tangent1[at] = static_cast<Real>(w.tangent1[r * w.stride + i]);
+                out.tangent2[at] = static_cast<Real>(w.tangent2[r * w.stride + i]);
             }
-        out.offsets.push_back(static_cast<uint32_t>(out.positions.size()));
-    }
 }
 
 /// body(target, vertex) for the targets that face `member` owns. `vertices` is scratch.
@@ -336,6 +344,21 @@ struct Groups {
     std::vector<uint32_t> first;  ///< one more than groups
 };
 
+/// Composed rows grow with the square of a valence; past this many faces around one face they are not worth having.
+bool fits_composition(const Topology& base) {
+    constexpr size_t kMaxFacesAround = 16384, kMaxRing = 0xffff;
+    for (uint32_t f = 0; f < base.face_count; ++f) {
+        size_t faces = 0, corners = 0;
+        for (const uint32_t v : base.vertices_of_face(f)) faces += base.corners_of_vertex(v).size();
+        if (faces > kMaxFacesAround) return false;
+        if (base.face_size != 0) continue;
+        for (const uint32_t v : base.vertices_of_face(f))
+            for (const uint32_t c : base.corners_of_vertex(v)) corners += base.size_of_face(base.face_of_corner(c));
+        if (corners > kMaxRing) return false;
+    }
+    return true;
+}
+
 Groups group_faces(const Job& job) {
     const Topology& base = job.base();
     Groups groups;
@@ -356,12 +379,12 @@ Groups group_faces(const Job& job) {
     return groups;
 }
 
-/// body(members of one group), groups in parallel.
+/// body(number, members) for each group, groups in parallel.
 template <class Body>
 void for_each_group(const Groups& groups, const Body& body) {
     tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        body(std::span<const Member>(groups.members.data() + groups.first[g],
-                                     groups.first[g + 1] - groups.first[g]));
+        const uint32_t first = groups.first[g], count = groups.first[g + 1] - first;
+        body(g, std::span<const Member>(groups.members.data() + first, count));
     });
 }
 
@@ -380,15 +403,41 @@ void for_each_member(std::span<const Member> members, const Body& body) {
     });
 }
 
-void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes) {
-    for_each_group(groups, [&](std::span<const Member> members) {
-        Neighborhood hood;
-        Program program;
-        Supports supports;
-        write_program(job, members[0], hood, program);
-        run_supports(program, supports);
+/// Rows that the first pass has worked out already, as far as memory allows: kept for the second one.
+template <class Real>
+struct Cache {
+    std::vector<SharedRows<Real>> rows;   ///< one per group, empty where it has to be worked out again
+    std::atomic<int64_t> budget_bytes{0};
+
+    bool take(size_t entries, bool tangents) {
+        const auto bytes = static_cast<int64_t>(entries * (sizeof(uint16_t) + sizeof(Real) * (tangents ? 3 : 1)));
+        if (budget_bytes.fetch_sub(bytes) >= bytes) return true;
+        budget_bytes.fetch_add(bytes);
+        return false;
+    }
+};
+
+template <class Real>
+void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Cache<Real>& cache) {
+    for_each_group(groups, [&](size_t group, std::span<const Member> members) {
         std::vector<uint32_t> row_sizes;
-        for (size_t i = 0; i < program.target_count; ++i) row_sizes.push_back(support_size(supports, i));
+        {
+            Neighborhood hood;
+            Program program;
+            Supports supports;
+            write_program(job, members[0], hood, program);
+            run_supports(program, supports);
+            size_t entries = 0;
+            for (size_t i = 0; i < program.target_count; ++i) {
+                row_sizes.push_back(support_size(supports, i));
+                entries += row_sizes.back();
+            }
+            if (cache.take(entries, job.with_tangents())) {
+                Weights weights;
+                run_weights(program, weights);
+                share_rows(supports, weights, cache.rows[group]);
+            }
+        }
         for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
             for_each_owned(job, member, scratch.vertices,
                            [&](size_t target, uint32_t v) { sizes[v] = row_sizes[target]; });
@@ -397,10 +446,10 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes) {
 }
 
 template <class Real>
-void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& table) {
-    for_each_group(groups, [&](std::span<const Member> members) {
-        SharedRows<Real> rows;
-        {
+void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& table, Cache<Real>& cache) {
+    for_each_group(groups, [&](size_t group, std::span<const Member> members) {
+        SharedRows<Real> rows = std::move(cache.rows[group]);
+        if (rows.empty()) {
             Neighborhood hood;
             Program program;
             Supports supports;
@@ -438,6 +487,9 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
     if (!counts) return counts.error();
     Job job{refinement, options, std::move(*counts), {}};
     const Topology& base = job.base();
+    if (!fits_composition(base))
+        return Error{ErrorCode::unsupported,
+                     "a vertex has too many edges for a table over the control points: chain step tables"};
     for (uint32_t f = 0; f < base.face_count; ++f) {
         const uint32_t n = base.size_of_face(f);
         if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
@@ -447,7 +499,10 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
     BasicStencilTable<Real> table;
     table.source_count = refinement.control_count;
     table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);
-    find_sizes(job, groups, table.offsets);
+    Cache<Real> cache;
+    cache.rows.resize(groups.first.size() - 1);
+    cache.budget_bytes = int64_t{2 * sizeof(Real)} * job.counts.back().vertices;  // a tenth of the table or so
+    find_sizes(job, groups, table.offsets, cache);
     for_each_loose_vertex(base, [&](uint32_t v) { table.offsets[v] = 1; });
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     const size_t entries = table.offsets.back();
@@ -457,7 +512,7 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
         table.tangent1_weights.allocate(entries);
         table.tangent2_weights.allocate(entries);
     }
-    write_table(job, groups, table);
+    write_table(job, groups, table, cache);
     for_each_loose_vertex(base, [&](uint32_t v) {
         const uint32_t at = table.offsets[v];
         table.indices[at] = refinement.control_indices.empty() ? v : refinement.control_indices[v];

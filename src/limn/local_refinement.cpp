@@ -309,24 +309,37 @@ struct Descent {
     const std::vector<LevelCounts>& counts;
     uint32_t last;
     uint32_t* out;
-    bool triangles;
 
-    void visit(const GlobalFace& f, uint32_t level) {
+    void visit_triangle(const GlobalFace& f, uint32_t level) {
         if (level == last) {
-            for (uint32_t i = 0; i < (triangles ? 3u : 4u); ++i) *out++ = f.vertices[i];
+            out = std::copy_n(f.vertices, 3, out);
+            return;
+        }
+        for (uint32_t j = 0; j < 4; ++j) visit_triangle(triangle_child(counts[level], f, j), level + 1);
+    }
+    void visit_quad(const GlobalFace& f, uint32_t level) {
+        if (level == last) {
+            out = std::copy_n(f.vertices, 4, out);
             return;
         }
         const LevelCounts& p = counts[level];
+        if (level + 1 == last) return write_children(p, f);
         for (uint32_t j = 0; j < 4; ++j) {
-            if (triangles) {
-                visit(triangle_child(p, f, j), level + 1);
-                continue;
-            }
             const uint32_t before = (j + 3) & 3;
             const Side side{f.vertices[j], f.edges[j], f.ends[j]};
             const Side previous{f.vertices[before], f.edges[before], f.ends[before]};
-            visit(quad_child(p, f.id, 4 * f.id + j, 4 * f.id + before, side, previous, j), level + 1);
+            visit_quad(quad_child(p, f.id, 4 * f.id + j, 4 * f.id + before, side, previous, j), level + 1);
         }
+    }
+    /// The last step needs no edges: the corners, edge points and face point of f in the order of its four children.
+    void write_children(const LevelCounts& p, const GlobalFace& f) {
+        const uint32_t* v = f.vertices;
+        uint32_t e[4];
+        for (uint32_t i = 0; i < 4; ++i) e[i] = p.vertices + p.faces + f.edges[i];
+        const uint32_t centre = p.vertices + f.id;
+        const uint32_t children[16] = {v[0], e[0], centre, e[3], e[0], v[1], e[1], centre,
+                                       centre, e[1], v[2], e[2], e[3], centre, e[2], v[3]};
+        out = std::copy_n(children, 16, out);
     }
 };
 
@@ -343,7 +356,7 @@ void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& co
     size_t count = size;
     for (uint32_t l = 0; l < level; ++l) count *= 4;
     vertices.resize(count);
-    Descent descent{counts, level, vertices.data(), triangles};
+    Descent descent{counts, level, vertices.data()};
     auto side = [&](uint32_t c) {
         return Side{base.face_vertices[c], base.face_edges[c], base.end_at_corner(c)};
     };
@@ -355,12 +368,12 @@ void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& co
             face.edges[j] = s.edge;
             face.ends[j] = s.end;
         }
-        descent.visit(face, 0);
+        descent.visit_triangle(face, 0);
         return;
     }
     for (uint32_t j = 0; j < size; ++j) {
         const uint32_t c = begin + j, previous = begin + (j == 0 ? size : j) - 1;
-        descent.visit(quad_child(counts[0], f, c, previous, side(c), side(previous), size == 4 ? j : 0), 1);
+        descent.visit_quad(quad_child(counts[0], f, c, previous, side(c), side(previous), size == 4 ? j : 0), 1);
     }
 }
 
