@@ -33,22 +33,26 @@ enum class Place : uint8_t { inside, edge, vertex };
 struct Block {
     std::vector<Place> places;
     std::vector<uint32_t> sides;  ///< the face's edge or corner that a border vertex lies on
-    std::vector<std::vector<uint32_t>> rotated;
+    std::vector<std::vector<uint32_t>> turned;
+
+    const std::vector<uint32_t>& corners(Orientation o) const {
+        return turned[o.rotation + (o.mirrored ? turned.size() / 2 : 0)];
+    }
 };
 
-/// Corner offset q of a block, turned by s corners: digits of its path down the levels, then its slot.
-uint32_t rotate_corner(Scheme scheme, uint32_t n, uint32_t level, uint32_t q, uint32_t s) {
+/// Corner offset q of a block as a walk of another orientation has it: digits of its path down the levels,
+/// then its slot.
+uint32_t turn_corner(Scheme scheme, uint32_t n, uint32_t level, uint32_t q, Orientation orientation) {
+    if (level == 0) return orientation.corner(q, n);
     const uint32_t sides = scheme == Scheme::loop ? 3 : 4;
-    auto turn = [&](uint32_t digit, uint32_t modulus) {
-        return digit < modulus ? (digit + s) % modulus : digit;
-    };
-    uint32_t block = sides;
-    for (uint32_t i = 1; i < level; ++i) block *= 4;
-    if (scheme != Scheme::loop && n != 4) return turn(q / block, n) * block + q % block;
-    uint32_t out = turn(q % sides, sides), scale = sides;
-    for (uint32_t path = q / sides, i = 0; i < level; ++i, path /= 4, scale *= 4)
-        out += turn(path % 4, sides) * scale;
-    return out;
+    // The children of an n-gon have orientations of their own, which mirroring turns around their first
+    // corner.
+    const bool polygon = scheme != Scheme::loop && n != 4;
+    const Orientation inner = polygon ? Orientation{0, orientation.mirrored} : orientation;
+    auto turn = [&](uint32_t digit) { return digit < sides ? inner.corner(digit, sides) : digit; };
+    uint32_t out = turn(q % sides), scale = sides, path = q / sides;
+    for (uint32_t i = polygon ? 1 : 0; i < level; ++i, path /= 4, scale *= 4) out += turn(path % 4) * scale;
+    return polygon ? out + orientation.corner(path, n) * scale : out;
 }
 
 /// For each vertex of a refined polygon the side of the polygon that it lies on, or kInvalidIndex.
@@ -82,7 +86,7 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
     const Topology& last = refinement->last();
     const std::vector<uint32_t> sides = sides_of_vertices(*refinement);
     Block block;
-    block.rotated.resize(n);
+    block.turned.resize(size_t{2} * n);
     std::vector<bool> seen(last.vertex_count);
     for (uint32_t q = 0; q < last.corner_count(); ++q) {
         const uint32_t v = last.face_vertices[q];
@@ -92,9 +96,8 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
                                : sides[v] != kInvalidIndex ? Place::edge
                                                            : Place::inside);
         block.sides.push_back(v < n ? v : sides[v]);
-        for (uint32_t s = 0; s < n; ++s)
-            block.rotated[s].push_back(level == 0 ? (q + s) % n
-                                                  : rotate_corner(options.scheme, n, level, q, s));
+        for (uint32_t s = 0; s < 2 * n; ++s)
+            block.turned[s].push_back(turn_corner(options.scheme, n, level, q, {s % n, s >= n}));
     }
     return block;
 }
@@ -102,7 +105,8 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
 /// A face as a member of a group of equal neighbourhoods.
 struct Member {
     std::array<uint64_t, 2> hash;
-    uint32_t face, rotation;
+    uint32_t face;
+    Orientation orientation;
 };
 
 /// Everything that is the same for all groups.
@@ -115,6 +119,7 @@ struct Job {
     const Topology& base() const { return refinement.levels[0]; }
     const Block& block(uint32_t f) const { return blocks.at(base().size_of_face(f)); }
     const Topology* uncut() const { return refinement.uncut.empty() ? nullptr : &refinement.uncut[0]; }
+    WalkOptions walk() const { return {base(), uncut(), with_tangents()}; }
     bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
@@ -159,9 +164,9 @@ void write_step(Program& program, std::vector<uint32_t>& positions, Program::Ste
 /// Works back from the targets over a face to its ring.
 void write_program(const Job& job, const Member& member, Neighborhood& hood, Program& program) {
     const bool limit = job.options.target != Target::refined;
-    read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
+    walk_around(job.walk(), member.face, member.orientation, hood);
     const LocalRefinementOptions options{job.options.level, limit, job.uncut()};
-    refine_locally(job.base(), hood.faces, job.block(member.face).rotated[member.rotation], options,
+    refine_locally(job.base(), hood.faces, job.block(member.face).corners(member.orientation), options,
                    program.local);
     const std::vector<Topology>& levels = program.local.levels;
     const size_t step_count = levels.size() - 1 + (limit ? 1 : 0);
@@ -303,11 +308,15 @@ void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>&
     const Topology& base = job.base();
     const uint32_t begin = base.face_begin(member.face), size = base.size_of_face(member.face);
     const Block& block = job.block(member.face);
-    const std::vector<uint32_t>& corners = block.rotated[member.rotation];
+    const std::vector<uint32_t>& corners = block.corners(member.orientation);
     vertices_over_face(base, job.counts, job.options.level, member.face, vertices);
     auto owns = [&](size_t i) {
         if (block.places[i] == Place::inside) return true;
-        const uint32_t c = begin + (block.sides[i] + member.rotation) % size;
+        const Orientation& o = member.orientation;
+        // Edge j joins corners j and j + 1 of the walk, whichever way that goes.
+        const uint32_t side =
+            block.places[i] == Place::edge && o.mirrored ? block.sides[i] + 1 : block.sides[i];
+        const uint32_t c = begin + o.corner(side % size, size);
         const uint32_t first = block.places[i] == Place::edge
                                    ? base.corners_of_edge(base.face_edges[c])[0]
                                    : base.corners_of_vertex(base.face_vertices[c])[0];
@@ -320,7 +329,7 @@ void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>&
 template <class Real>
 void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows,
                 BasicStencilTable<Real>& table, Neighborhood& hood, std::vector<uint32_t>& vertices) {
-    read_neighborhood(job.base(), job.uncut(), member.face, job.with_tangents(), hood);
+    walk_around(job.walk(), member.face, member.orientation, hood);
     const Array<uint32_t>& map = job.refinement.control_indices;
     if (!map.empty())
         for (uint32_t& point : hood.ring) point = map[point];
@@ -344,7 +353,8 @@ struct Groups {
     std::vector<uint32_t> first;  ///< one more than groups
 };
 
-/// Composed rows grow with the square of a valence; past this many faces around one face they are not worth having.
+/// Composed rows grow with the square of a valence; past this many faces around one face they are not worth
+/// having.
 bool fits_composition(const Topology& base) {
     constexpr size_t kMaxFacesAround = 16384, kMaxRing = 0xffff;
     for (uint32_t f = 0; f < base.face_count; ++f) {
@@ -353,7 +363,8 @@ bool fits_composition(const Topology& base) {
         if (faces > kMaxFacesAround) return false;
         if (base.face_size != 0) continue;
         for (const uint32_t v : base.vertices_of_face(f))
-            for (const uint32_t c : base.corners_of_vertex(v)) corners += base.size_of_face(base.face_of_corner(c));
+            for (const uint32_t c : base.corners_of_vertex(v))
+                corners += base.size_of_face(base.face_of_corner(c));
         if (corners > kMaxRing) return false;
     }
     return true;
@@ -366,8 +377,8 @@ Groups group_faces(const Job& job) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
         Neighborhood hood;
         for (uint32_t f = range.begin(); f != range.end(); ++f) {
-            read_neighborhood(base, job.uncut(), f, job.with_tangents(), hood);
-            groups.members[f] = {hash_signature(hood.signature), f, hood.rotation};
+            groups.members[f].face = f;
+            groups.members[f].orientation = choose_orientation(job.walk(), f, hood, groups.members[f].hash);
         }
     });
     tbb::parallel_sort(groups.members.begin(), groups.members.end(), [](const Member& a, const Member& b) {
@@ -406,11 +417,12 @@ void for_each_member(std::span<const Member> members, const Body& body) {
 /// Rows that the first pass has worked out already, as far as memory allows: kept for the second one.
 template <class Real>
 struct Cache {
-    std::vector<SharedRows<Real>> rows;   ///< one per group, empty where it has to be worked out again
+    std::vector<SharedRows<Real>> rows;  ///< one per group, empty where it has to be worked out again
     std::atomic<int64_t> budget_bytes{0};
 
     bool take(size_t entries, bool tangents) {
-        const auto bytes = static_cast<int64_t>(entries * (sizeof(uint16_t) + sizeof(Real) * (tangents ? 3 : 1)));
+        const auto bytes =
+            static_cast<int64_t>(entries * (sizeof(uint16_t) + sizeof(Real) * (tangents ? 3 : 1)));
         if (budget_bytes.fetch_sub(bytes) >= bytes) return true;
         budget_bytes.fetch_add(bytes);
         return false;
@@ -501,7 +513,8 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
     table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);
     Cache<Real> cache;
     cache.rows.resize(groups.first.size() - 1);
-    cache.budget_bytes = int64_t{2 * sizeof(Real)} * job.counts.back().vertices;  // a tenth of the table or so
+    cache.budget_bytes =
+        int64_t{2 * sizeof(Real)} * job.counts.back().vertices;  // a tenth of the table or so
     find_sizes(job, groups, table.offsets, cache);
     for_each_loose_vertex(base, [&](uint32_t v) { table.offsets[v] = 1; });
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();

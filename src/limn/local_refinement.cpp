@@ -331,14 +331,15 @@ struct Descent {
             visit_quad(quad_child(p, f.id, 4 * f.id + j, 4 * f.id + before, side, previous, j), level + 1);
         }
     }
-    /// The last step needs no edges: the corners, edge points and face point of f in the order of its four children.
+    /// The last step needs no edges: the corners, edge points and face point of f in the order of its four
+    /// children.
     void write_children(const LevelCounts& p, const GlobalFace& f) {
         const uint32_t* v = f.vertices;
         uint32_t e[4];
         for (uint32_t i = 0; i < 4; ++i) e[i] = p.vertices + p.faces + f.edges[i];
         const uint32_t centre = p.vertices + f.id;
-        const uint32_t children[16] = {v[0], e[0], centre, e[3], e[0], v[1], e[1], centre,
-                                       centre, e[1], v[2], e[2], e[3], centre, e[2], v[3]};
+        const uint32_t children[16] = {v[0],   e[0], centre, e[3], e[0], v[1],   e[1], centre,
+                                       centre, e[1], v[2],   e[2], e[3], centre, e[2], v[3]};
         out = std::copy_n(children, 16, out);
     }
 };
@@ -373,7 +374,8 @@ void vertices_over_face(const Topology& base, const std::vector<LevelCounts>& co
     }
     for (uint32_t j = 0; j < size; ++j) {
         const uint32_t c = begin + j, previous = begin + (j == 0 ? size : j) - 1;
-        descent.visit_quad(quad_child(counts[0], f, c, previous, side(c), side(previous), size == 4 ? j : 0), 1);
+        descent.visit_quad(quad_child(counts[0], f, c, previous, side(c), side(previous), size == 4 ? j : 0),
+                           1);
     }
 }
 

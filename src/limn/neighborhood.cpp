@@ -12,12 +12,13 @@ uint32_t bits(float x) {
 }
 
 /// A cheap value per corner, so that walks of alike faces start alike: the corner where it is largest.
-uint32_t choose_rotation(const Topology& t, uint32_t f) {
+uint32_t choose_rotation(const Topology& t, uint32_t f, bool mirrored) {
     const uint32_t begin = t.face_begin(f), size = t.size_of_face(f);
     uint32_t best = 0;
     uint64_t best_key = 0;
     for (uint32_t i = 0; i < size; ++i) {
-        const uint32_t v = t.face_vertices[begin + i], e = t.face_edges[begin + i];
+        const uint32_t v = t.face_vertices[begin + i];
+        const uint32_t e = t.face_edges[begin + (mirrored ? (i + size - 1) % size : i)];
         const auto edges = t.edges_of_vertex(v);
         uint64_t sharp = 0;
         for (const uint32_t at : edges) sharp += t.edge_sharpness[at] > 0;
@@ -31,38 +32,61 @@ uint32_t choose_rotation(const Topology& t, uint32_t f) {
     return best;
 }
 
-/// The star, in `t`, of the vertex at `corner`: counter-clockwise from that corner where it is closed, else
-/// as listed. Its vertices are told as those of `base`, whose corners are the same.
-void read_star(const Topology& t, const Topology& base, uint32_t corner, bool with_starts,
+/// Positions in a star in the order of a walk: counter-clockwise from the face's own corner where the star is
+/// closed, else as listed; mirrored, the other way round.
+struct StarOrder {
+    uint32_t own, corners, edges;
+    bool closed, mirrored;
+
+    uint32_t own_position() const { return closed ? 0 : mirrored ? corners - 1 - own : own; }
+    uint32_t corner(uint32_t i) const {
+        if (!closed) return mirrored ? corners - 1 - i : i;
+        return (mirrored ? own + corners - i : own + i) % corners;
+    }
+    uint32_t edge(uint32_t i) const {
+        if (!closed) return mirrored ? edges - 1 - i : i;
+        return (mirrored ? own + 1 + edges - i : own + i) % edges;
+    }
+};
+
+/// The star, in `t`, of the vertex at `corner`. Its vertices are told as those of `base`, whose corners are
+/// the same.
+void read_star(const Topology& t, const WalkOptions& options, uint32_t corner, bool mirrored,
                Neighborhood& out) {
+    const Topology& base = options.base;
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
-    const auto own =
-        static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
-    const bool closed = t.vertex_manifold[v] != 0 && corners.size() == edges.size();
-    const uint32_t shift = closed ? own : 0;
+    const StarOrder order{
+        static_cast<uint32_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin()),
+        static_cast<uint32_t>(corners.size()), static_cast<uint32_t>(edges.size()),
+        t.vertex_manifold[v] != 0 && corners.size() == edges.size(), mirrored};
     auto put = [&](uint32_t x) { out.signature.push_back(x); };
-    put(static_cast<uint32_t>(corners.size()) << 1 | t.vertex_manifold[v]);
-    put(static_cast<uint32_t>(edges.size()));
-    put(with_starts ? own : own - shift);
+    put(order.corners << 1 | t.vertex_manifold[v]);
+    put(order.edges);
+    put(options.with_tangents ? order.own : order.own_position());
     put(bits(t.vertex_sharpness[v]));
-    for (size_t i = 0; i < corners.size(); ++i) {
-        const uint32_t c = corners[(i + shift) % corners.size()], f = t.face_of_corner(c);
-        const uint32_t begin = t.face_begin(f), size = t.size_of_face(f);
+    for (uint32_t i = 0; i < order.corners; ++i) {
+        const uint32_t c = corners[order.corner(i)], f = t.face_of_corner(c);
+        const uint32_t begin = t.face_begin(f), last = begin + t.size_of_face(f) - 1;
         const auto next_face = static_cast<uint32_t>(out.faces.size());
         if (out.face_map.find_or_insert(f, next_face) == next_face) out.faces.push_back(f);
-        put(size);
-        for (uint32_t k = 0, at = c; k < size; ++k, at = at + 1 == begin + size ? begin : at + 1)
+        put(last + 1 - begin);
+        for (uint32_t k = begin, at = c; k <= last; ++k) {
             put(out.local(base.face_vertices[at]));
+            if (mirrored)
+                at = at == begin ? last : at - 1;
+            else
+                at = at == last ? begin : at + 1;
+        }
     }
-    for (size_t i = 0; i < edges.size(); ++i) {
-        const uint32_t e = edges[(i + shift) % edges.size()], c = t.corners_of_edge(e)[0];
+    for (uint32_t i = 0; i < order.edges; ++i) {
+        const uint32_t e = edges[order.edge(i)], c = t.corners_of_edge(e)[0];
         const uint32_t end = t.edge_vertices[2 * e] == v ? 0 : 1;
         const uint32_t other = t.face_vertices[c] == v ? t.next_corner(c) : c;
         put(out.local(base.face_vertices[other]));
         put(bits(t.edge_sharpness[e]));
-        if (with_starts) put(t.face_of_corner(c) == out.faces[0]);
+        if (options.with_tangents) put(t.face_of_corner(c) == out.faces[0]);
         if (t.half_edge_sharpness.empty()) continue;
         put(bits(t.half_edge_sharpness[2 * e + end]));
         put(bits(t.half_edge_sharpness[2 * e + 1 - end]));
@@ -71,26 +95,46 @@ void read_star(const Topology& t, const Topology& base, uint32_t corner, bool wi
 
 }  // namespace
 
-void read_neighborhood(const Topology& t, const Topology* uncut, uint32_t f, bool with_starts,
-                       Neighborhood& out) {
+void walk_around(const WalkOptions& options, uint32_t f, Orientation orientation, Neighborhood& out) {
+    const Topology& t = options.base;
+    const bool mirrored = orientation.mirrored;
     out.ring.clear();
     out.faces.assign(1, f);
     out.signature.clear();
     out.map.clear();
     out.face_map.clear();
     out.face_map.find_or_insert(f, 0);
-    out.rotation = choose_rotation(t, f);
     const uint32_t begin = t.face_begin(f), size = t.size_of_face(f);
-    auto corner = [&](uint32_t i) { return begin + (out.rotation + i) % size; };
-    for (uint32_t i = 0; i < size; ++i) out.local(t.face_vertices[corner(i)]);
+    for (uint32_t i = 0; i < size; ++i) out.local(t.face_vertices[begin + orientation.corner(i, size)]);
     for (uint32_t i = 0; i < size; ++i) {
-        read_star(t, t, corner(i), with_starts, out);
-        if (uncut != nullptr) read_star(*uncut, t, corner(i), with_starts, out);
-        const size_t pair = t.find_dependent(t.face_vertices[corner(i)]);
+        const uint32_t c = begin + orientation.corner(i, size);
+        read_star(t, options, c, mirrored, out);
+        if (options.uncut != nullptr) read_star(*options.uncut, options, c, mirrored, out);
+        const size_t pair = t.find_dependent(t.face_vertices[c]);
         if (pair == Topology::kNotDependent) continue;
+        const auto corners = t.corners_of_vertex(t.dependent_vertices[2 * pair + 1]);
         out.signature.push_back(bits(t.dependent_seam_sharpness[pair]));
-        read_star(t, t, t.corners_of_vertex(t.dependent_vertices[2 * pair + 1])[0], with_starts, out);
+        read_star(t, options, mirrored ? corners.back() : corners.front(), mirrored, out);
     }
+}
+
+Orientation choose_orientation(const WalkOptions& options, uint32_t f, Neighborhood& scratch,
+                               std::array<uint64_t, 2>& hash) {
+    const Topology& t = options.base;
+    const Orientation straight{choose_rotation(t, f, false), false};
+    walk_around(options, f, straight, scratch);
+    hash = hash_signature(scratch.signature);
+    const auto vertices = t.vertices_of_face(f);
+    // Stars that are no fan have no other way round.
+    const bool manifold =
+        std::all_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return t.vertex_manifold[v] != 0; });
+    if (options.with_tangents || !manifold) return straight;
+    const Orientation mirrored{choose_rotation(t, f, true), true};
+    walk_around(options, f, mirrored, scratch);
+    const std::array<uint64_t, 2> other = hash_signature(scratch.signature);
+    if (hash <= other) return straight;
+    hash = other;
+    return mirrored;
 }
 
 std::array<uint64_t, 2> hash_signature(const std::vector<uint32_t>& signature) {

@@ -12,12 +12,19 @@
 
 namespace limn {
 
-/// The vertices of all faces that touch a face, numbered in order of a walk that starts at its corner
-/// `rotation`: first the face's own, then, corner by corner, those of the faces around. Filled by
-/// read_neighborhood, reused to save allocations.
-struct Neighborhood {
+/// Where a walk around a face starts, and which way it goes: its i-th corner is (rotation + i) mod n, or with
+/// `mirrored` (rotation - i) mod n.
+struct Orientation {
     uint32_t rotation = 0;
-    std::vector<uint32_t> ring;       ///< base vertices in walk order
+    bool mirrored = false;
+
+    uint32_t corner(uint32_t i, uint32_t n) const { return (mirrored ? rotation + n - i : rotation + i) % n; }
+};
+
+/// What a walk around a face meets: first the face's own vertices, then, corner by corner, those of the faces
+/// around. Reused to save allocations.
+struct Neighborhood {
+    std::vector<uint32_t> ring;       ///< base vertices, numbered in the order of the walk
     std::vector<uint32_t> faces;      ///< the face, then the others around its vertices
     std::vector<uint32_t> signature;  ///< sizes, local vertices and sharpness met on the walk
     IndexMap map, face_map;
@@ -29,12 +36,23 @@ struct Neighborhood {
     }
 };
 
-/// Walks around face f of a base level. `uncut` is the mesh that a face-varying base with Chaikin creasing
-/// was cut from: then the walk takes in what lies beyond seams; else null. `with_starts` tells apart where
-/// the stars of closed vertices start, which decides the sides that tangents are taken on. Two faces of one
-/// mesh whose signatures are equal have equal stencils, ring position by ring position, at every level.
-void read_neighborhood(const Topology& base, const Topology* uncut, uint32_t f, bool with_starts,
-                       Neighborhood& out);
+/// The base level to walk on. `uncut` is the mesh that a face-varying base with Chaikin creasing was cut
+/// from: then walks take in what lies beyond seams; else null. `with_tangents` tells apart what only tangents
+/// depend on: where stars start, which decides the sides that they are taken on, and handedness.
+struct WalkOptions {
+    const Topology& base;
+    const Topology* uncut = nullptr;
+    bool with_tangents = false;
+};
+
+/// Two faces of one mesh whose signatures are equal have equal stencils, ring position by ring position, at
+/// every level.
+void walk_around(const WalkOptions& options, uint32_t f, Orientation orientation, Neighborhood& out);
+
+/// The orientation that alike faces, and mirror images, share: of the walks from a distinguished corner, one
+/// each way, the one whose signature has the smaller hash. `hash` receives it; `scratch` is scratch.
+Orientation choose_orientation(const WalkOptions& options, uint32_t f, Neighborhood& scratch,
+                               std::array<uint64_t, 2>& hash);
 
 /// 128 bits of the signature.
 std::array<uint64_t, 2> hash_signature(const std::vector<uint32_t>& signature);
