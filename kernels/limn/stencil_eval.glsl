@@ -1,4 +1,5 @@
-// The body of the stencil_eval kernels. Before it: TABLE(i), a uvec2, and SOURCE(i), a float.
+// The body of the stencil_eval kernels. Before it: TABLE(i), a uvec2, and SOURCE(i), a float, or SOURCE4(i), the vec4
+// of floats i to i + 3, i a multiple of 4.
 
 layout(local_size_x = kStencilEvalWorkgroupSize) in;
 layout(constant_id = kStencilEvalKindConstant) const uint kKind = kStencilRunOwn;
@@ -10,7 +11,12 @@ layout(std430, binding = kStencilEvalDestinationBinding) writeonly buffer Destin
 
 void accumulate(inout float point[kStencilEvalMaxWidth], uint index, float weight) {
     const uint at = params.source_base + index * params.source_stride;
+#ifdef SOURCE4
+    const vec4 value = SOURCE4(at);
+    for (uint c = 0; c < kWidth; ++c) point[c] += weight * value[c];
+#else
     for (uint c = 0; c < kWidth; ++c) point[c] += weight * SOURCE(at + c);
+#endif
 }
 
 void main() {

@@ -135,7 +135,8 @@ TEST_P(StencilEvalLayout, WorkgroupsAndBindingsAreThoseOfCpp) {
                                                       limn::shared::kStencilEvalDestinationBinding}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, StencilEvalLayout, testing::Values("stencil_eval", "stencil_eval_texel"),
+INSTANTIATE_TEST_SUITE_P(Kernels, StencilEvalLayout,
+                         testing::Values("stencil_eval", "stencil_eval_texel", "stencil_eval_texel4"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

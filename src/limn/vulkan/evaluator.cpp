@@ -9,6 +9,7 @@
 #include "limn/vulkan/pipeline.h"
 #include "limn_kernels/stencil_eval.h"
 #include "limn_kernels/stencil_eval_texel.h"
+#include "limn_kernels/stencil_eval_texel4.h"
 
 namespace limn::vk {
 namespace {
@@ -22,8 +23,15 @@ constexpr VkDescriptorType kStorageBindings[kBindingCount] = {
 constexpr VkDescriptorType kTexelBindings[kBindingCount] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-constexpr VkFormat kTexelFormats[kBindingCount] = {VK_FORMAT_R32G32_UINT, VK_FORMAT_R32_SFLOAT,
-                                                   VK_FORMAT_UNDEFINED};
+/// How a kernel reads table and source: storage buffers, texel buffers, or texel buffers with points of four
+/// floats.
+enum Variant : uint32_t { kStorage, kTexel, kTexel4, kVariantCount };
+
+/// Texel formats of table and source.
+constexpr VkFormat kTableFormat = VK_FORMAT_R32G32_UINT;
+constexpr VkFormat source_format(Variant variant) {
+    return variant == kTexel4 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32_SFLOAT;
+}
 
 /// Bytes [begin, end) of a buffer.
 struct Range {
@@ -99,37 +107,46 @@ struct StencilEvaluation::State {
 
 struct Evaluator::State {
     const Device* device = nullptr;
-    Kernel kernels[2];  // storage, texel
+    Kernel kernels[kVariantCount];
     bool prefer_texel = false;
     std::mutex mutex;  // guards pipelines
-    std::map<std::tuple<bool, uint32_t, uint32_t, uint32_t>, VkPipeline> pipelines;
+    std::map<std::tuple<Variant, uint32_t, uint32_t, uint32_t>, VkPipeline> pipelines;
 
     ~State() {
         for (const auto& [key, pipeline] : pipelines)
             device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
     }
 
-    Result<VkPipeline> pipeline(bool texel, const StencilRun& run, uint32_t width) {
+    Result<VkPipeline> pipeline(Variant variant, const StencilRun& run, uint32_t width) {
         const bool unrolled = run.kind == shared::kStencilRunShared || run.entry_count <= kMaxUnrolledEntries;
         const uint32_t constants[3] = {run.kind, unrolled ? run.entry_count : 0, width};
         const std::lock_guard lock(mutex);
-        VkPipeline& pipeline = pipelines[{texel, constants[0], constants[1], constants[2]}];
+        VkPipeline& pipeline = pipelines[{variant, constants[0], constants[1], constants[2]}];
         if (pipeline == VK_NULL_HANDLE) {
-            auto created = create_pipeline(kernels[texel], constants);
+            auto created = create_pipeline(kernels[variant], constants);
             if (!created) return created.error();
             pipeline = *created;
         }
         return pipeline;
     }
 
-    BindingLimit limit(bool texel, uint32_t binding) const {
+    BindingLimit limit(Variant variant, uint32_t binding) const {
         const VkPhysicalDeviceLimits& limits = device->properties.limits;
-        const uint64_t element_bytes = binding == shared::kStencilEvalTableBinding ? 8 : 4;
-        if (!texel || binding == shared::kStencilEvalDestinationBinding)
-            return {std::max<uint64_t>(limits.minStorageBufferOffsetAlignment, element_bytes),
+        const bool table = binding == shared::kStencilEvalTableBinding;
+        const uint64_t element_bytes = table ? 8 : variant == kTexel4 ? 16 : 4;
+        if (variant == kStorage || binding == shared::kStencilEvalDestinationBinding)
+            return {std::max<uint64_t>(limits.minStorageBufferOffsetAlignment, table ? 8 : 4),
                     limits.maxStorageBufferRange};
         return {std::max<uint64_t>(limits.minTexelBufferOffsetAlignment, element_bytes),
                 std::min<uint64_t>(limits.maxTexelBufferElements, 0x7fffffff) * element_bytes};
+    }
+
+    Variant choose(const StencilEvaluationInfo& info) const {
+        if (!prefer_texel || info.storage_only_source) return kStorage;
+        const PointBuffer& source = info.source;
+        const bool fours = info.width % 4 == 0 && source.stride % 4 == 0 &&
+                           (source.offset_bytes / 4 + source.first) % 4 == 0;
+        return fours ? kTexel4 : kTexel;
     }
 };
 
@@ -265,8 +282,8 @@ class Planner {
 /// Makes the descriptor sets of an evaluation.
 class SetWriter {
   public:
-    SetWriter(const Device& device, VkDescriptorPool pool, std::vector<VkBufferView>& views, bool texel)
-        : device_(device), pool_(pool), views_(views), texel_(texel) {}
+    SetWriter(const Device& device, VkDescriptorPool pool, std::vector<VkBufferView>& views, Variant variant)
+        : device_(device), pool_(pool), views_(views), variant_(variant) {}
 
     Result<VkDescriptorSet> write(VkDescriptorSetLayout layout, const VkBuffer (&buffers)[kBindingCount],
                                   const Range (&ranges)[kBindingCount]) {
@@ -287,11 +304,12 @@ class SetWriter {
             writes[b].dstSet = set;
             writes[b].dstBinding = b;
             writes[b].descriptorCount = 1;
-            writes[b].descriptorType = texel_ ? kTexelBindings[b] : kStorageBindings[b];
+            writes[b].descriptorType = variant_ == kStorage ? kStorageBindings[b] : kTexelBindings[b];
             infos[b] = {buffers[b], ranges[b].begin, ranges[b].end - ranges[b].begin};
             writes[b].pBufferInfo = &infos[b];
             if (writes[b].descriptorType != VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) continue;
-            auto view = create_view(infos[b], kTexelFormats[b]);
+            auto view = create_view(
+                infos[b], b == shared::kStencilEvalTableBinding ? kTableFormat : source_format(variant_));
             if (!view) return view.error();
             views[b] = *view;
             writes[b].pTexelBufferView = &views[b];
@@ -318,7 +336,7 @@ class SetWriter {
     const Device& device_;
     VkDescriptorPool pool_;
     std::vector<VkBufferView>& views_;
-    bool texel_;
+    Variant variant_;
 };
 
 Result<VkDescriptorPool> create_pool(const Device& device, uint32_t set_count, bool texel) {
@@ -354,12 +372,13 @@ Result<Evaluator> Evaluator::create(const Device& device) {
     // of textures (not measured).
     state.prefer_texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
                          device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
-    const KernelInfo infos[2] = {{kStencilEval, kStorageBindings, sizeof(StencilEvalParams)},
-                                 {kStencilEvalTexel, kTexelBindings, sizeof(StencilEvalParams)}};
-    for (uint32_t texel = 0; texel < 2; ++texel) {
-        auto kernel = create_kernel(device, infos[texel]);
+    const KernelInfo infos[kVariantCount] = {{kStencilEval, kStorageBindings, sizeof(StencilEvalParams)},
+                                             {kStencilEvalTexel, kTexelBindings, sizeof(StencilEvalParams)},
+                                             {kStencilEvalTexel4, kTexelBindings, sizeof(StencilEvalParams)}};
+    for (uint32_t variant = 0; variant < kVariantCount; ++variant) {
+        auto kernel = create_kernel(device, infos[variant]);
         if (!kernel) return kernel.error();
-        state.kernels[texel] = std::move(*kernel);
+        state.kernels[variant] = std::move(*kernel);
     }
     return evaluator;
 }
@@ -367,14 +386,14 @@ Result<Evaluator> Evaluator::create(const Device& device) {
 Result<StencilEvaluation> Evaluator::prepare(const StencilEvaluationInfo& info) const {
     if (auto checked = check(info); !checked) return checked.error();
     const Device& device = *state_->device;
-    const bool texel = state_->prefer_texel && !info.storage_only_source;
+    const Variant variant = state_->choose(info);
     const DeviceStencilTable& table = *info.table;
-    const BindingLimit limits[kBindingCount] = {state_->limit(texel, 0), state_->limit(texel, 1),
-                                                state_->limit(texel, 2)};
+    const BindingLimit limits[kBindingCount] = {state_->limit(variant, 0), state_->limit(variant, 1),
+                                                state_->limit(variant, 2)};
     StencilEvaluation evaluation;
     StencilEvaluation::State& state = *evaluation.state_;
     state.device = &device;
-    state.layout = state_->kernels[texel].layout;
+    state.layout = state_->kernels[variant].layout;
 
     Planner planner(info, limits, device.properties.limits);
     const PointBuffer* const destinations[3] = {&info.destination, &info.tangent1, &info.tangent2};
@@ -390,8 +409,8 @@ Result<StencilEvaluation> Evaluator::prepare(const StencilEvaluationInfo& info) 
         for (uint64_t row = first_row; row < end_row; row += window) {
             for (const StencilRun& run : table.runs) {
                 for (uint32_t c = 0; c < info.width; c += shared::kStencilEvalMaxWidth) {
-                    auto pipeline =
-                        state_->pipeline(texel, run, std::min(shared::kStencilEvalMaxWidth, info.width - c));
+                    auto pipeline = state_->pipeline(variant, run,
+                                                     std::min(shared::kStencilEvalMaxWidth, info.width - c));
                     if (!pipeline) return pipeline.error();
                     const Range rows = {row, std::min(row + window, end_row)};
                     if (auto added = planner.add(run, d, destination, rows, c, *pipeline); !added)
@@ -403,13 +422,13 @@ Result<StencilEvaluation> Evaluator::prepare(const StencilEvaluationInfo& info) 
 
     const std::vector<BoundRanges> sets = planner.finish(state.dispatches);
     if (sets.empty()) return evaluation;
-    auto pool = create_pool(device, static_cast<uint32_t>(sets.size()), texel);
+    auto pool = create_pool(device, static_cast<uint32_t>(sets.size()), variant != kStorage);
     if (!pool) return pool.error();
     state.pool = *pool;
-    SetWriter writer(device, state.pool, state.views, texel);
+    SetWriter writer(device, state.pool, state.views, variant);
     for (const BoundRanges& set : sets) {
         const VkBuffer buffers[kBindingCount] = {table.data.handle, info.source.buffer, set.destination};
-        auto written = writer.write(state_->kernels[texel].set_layout, buffers, set.ranges);
+        auto written = writer.write(state_->kernels[variant].set_layout, buffers, set.ranges);
         if (!written) return written.error();
         state.sets.push_back(*written);
     }
