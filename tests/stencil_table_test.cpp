@@ -153,6 +153,53 @@ TEST(StencilTable, alike_rows_list_alike_weights) {
     EXPECT_EQ(patterns.size(), 3u);  // vertex, face and edge points of a regular mesh
 }
 
+TEST(StencilTable, limit_steps_continue_a_chain) {
+    for (const TestMesh& mesh : some_shapes(17)) {
+        SCOPED_TRACE(mesh.name);
+        const Result<ControlMesh> control = ControlMesh::create(mesh.description());
+        ASSERT_TRUE(control);
+        const Result<Refinement> refinement = build_refinement(*control, {2, true});
+        ASSERT_TRUE(refinement);
+        if (count_sharp_levels(refinement->levels[0]) > 2)
+            continue;  // the contract asks for more levels there
+        const auto whole = build_limit_table<double>(*refinement, 2, true);
+        const auto step = build_limit_step_table<double>(*refinement, true);
+        const auto points = build_stencil_table<double>(*refinement, 2);
+        ASSERT_TRUE(whole && step && points);
+        std::vector<double> level(size_t{points->row_count()} * 3), one(level.size()), other(level.size());
+        apply_stencil_table<double>(*points, mesh.positions_double(), level, 3);
+        apply_stencil_table<double>(*step, level, one, 3);
+        apply_stencil_table<double>(*whole, mesh.positions_double(), other, 3);
+        for (size_t i = 0; i < one.size(); ++i) ASSERT_NEAR(one[i], other[i], 1e-12 * mesh.size()) << i;
+        EXPECT_EQ(step->tangent1_weights.size(), step->weights.size());
+    }
+}
+
+TEST(StencilTable, limit_steps_refuse_what_they_cannot_do) {
+    const TestMesh prism = make_prism(5);
+    const Result<ControlMesh> control = ControlMesh::create(prism.description());
+    const auto without_edges = build_limit_step_table<float>(*build_refinement(*control, {2, false}));
+    ASSERT_FALSE(without_edges);
+    EXPECT_EQ(without_edges.error().code, ErrorCode::unsupported);
+    const auto pentagons = build_limit_step_table<float>(*build_refinement(*control, {0, true}));
+    ASSERT_FALSE(pentagons);
+    EXPECT_EQ(pentagons.error().code, ErrorCode::unsupported);
+}
+
+TEST(StencilTable, huge_valences_are_for_chains) {
+    TestMesh pole;
+    const uint32_t count = 20000;
+    pole.add_vertex(0, 0, 1);
+    for (uint32_t i = 0; i < count; ++i) pole.add_vertex(std::cos(i * 3e-4), std::sin(i * 3e-4), 0);
+    for (uint32_t i = 0; i < count; ++i) pole.add_face({0, 1 + i, 1 + (i + 1) % count});
+    const Refinement refinement = refine(pole, 2);
+    const auto composed = build_stencil_table<float>(refinement, 2);
+    ASSERT_FALSE(composed);
+    EXPECT_EQ(composed.error().code, ErrorCode::unsupported);
+    EXPECT_TRUE(build_step_table<float>(refinement, 1));
+    EXPECT_TRUE(build_step_table<float>(refinement, 2));
+}
+
 TEST(StencilTable, level_zero_is_the_identity) {
     const Refinement refinement = refine(make_prism(5), 2);
     const auto table = build_stencil_table<double>(refinement, 0);
