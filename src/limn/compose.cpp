@@ -16,91 +16,14 @@
 #include <map>
 #include <vector>
 
+#include "limn/face_block.h"
+#include "limn/face_program.h"
 #include "limn/local_refinement.h"
 #include "limn/neighborhood.h"
 #include "limn/parallel.h"
-#include "limn/stencil_row.h"
 
 namespace limn {
 namespace {
-
-/// Where on a face a refined vertex lies. Border vertices belong to the first face around the control vertex
-/// or edge.
-enum class Place : uint8_t { inside, edge, vertex };
-
-/// The refined vertices over a face of n corners, each by a corner of the refined faces, counted from the
-/// first over the face. `rotated[s]` are the same vertices where the walk starts at corner s.
-struct Block {
-    std::vector<Place> places;
-    std::vector<uint32_t> sides;  ///< the face's edge or corner that a border vertex lies on
-    std::vector<std::vector<uint32_t>> turned;
-
-    const std::vector<uint32_t>& corners(Orientation o) const {
-        return turned[o.rotation + (o.mirrored ? turned.size() / 2 : 0)];
-    }
-};
-
-/// Corner offset q of a block as a walk of another orientation has it: digits of its path down the levels,
-/// then its slot.
-uint32_t turn_corner(Scheme scheme, uint32_t n, uint32_t level, uint32_t q, Orientation orientation) {
-    if (level == 0) return orientation.corner(q, n);
-    const uint32_t sides = scheme == Scheme::loop ? 3 : 4;
-    // The children of an n-gon have orientations of their own, which mirroring turns around their first
-    // corner.
-    const bool polygon = scheme != Scheme::loop && n != 4;
-    const Orientation inner = polygon ? Orientation{0, orientation.mirrored} : orientation;
-    auto turn = [&](uint32_t digit) { return digit < sides ? inner.corner(digit, sides) : digit; };
-    uint32_t out = turn(q % sides), scale = sides, path = q / sides;
-    for (uint32_t i = polygon ? 1 : 0; i < level; ++i, path /= 4, scale *= 4) out += turn(path % 4) * scale;
-    return polygon ? out + orientation.corner(path, n) * scale : out;
-}
-
-/// For each vertex of a refined polygon the side of the polygon that it lies on, or kInvalidIndex.
-std::vector<uint32_t> sides_of_vertices(const Refinement& polygon) {
-    const Topology& base = polygon.levels[0];
-    std::vector<uint32_t> edges(base.edge_count), vertices(base.vertex_count, kInvalidIndex);
-    for (uint32_t e = 0; e < base.edge_count; ++e) edges[e] = e;
-    for (uint32_t l = 0; l + 1 < polygon.level_count(); ++l) {
-        const Topology& t = polygon.levels[l];
-        std::vector<uint32_t> child_edges(t.corner_count() + size_t{2} * t.edge_count, kInvalidIndex);
-        vertices.resize(polygon.levels[l + 1].vertex_count, kInvalidIndex);
-        for (uint32_t e = 0; e < t.edge_count; ++e) {
-            vertices[child_of_edge(t, e)] = edges[e];
-            child_edges[t.corner_count() + 2 * e] = child_edges[t.corner_count() + 2 * e + 1] = edges[e];
-        }
-        edges = std::move(child_edges);
-    }
-    return vertices;
-}
-
-Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
-    std::vector<uint32_t> polygon(n);
-    for (uint32_t i = 0; i < n; ++i) polygon[i] = i;
-    ControlMeshDescription description;
-    description.options = options;
-    description.vertex_count = n;
-    description.face_sizes = {&n, 1};
-    description.face_vertices = polygon;
-    const Result<ControlMesh> mesh = ControlMesh::create(description);
-    const Result<Refinement> refinement = build_refinement(*mesh, {level, false});
-    const Topology& last = refinement->last();
-    const std::vector<uint32_t> sides = sides_of_vertices(*refinement);
-    Block block;
-    block.turned.resize(size_t{2} * n);
-    std::vector<bool> seen(last.vertex_count);
-    for (uint32_t q = 0; q < last.corner_count(); ++q) {
-        const uint32_t v = last.face_vertices[q];
-        if (seen[v]) continue;
-        seen[v] = true;
-        block.places.push_back(v < n                       ? Place::vertex
-                               : sides[v] != kInvalidIndex ? Place::edge
-                                                           : Place::inside);
-        block.sides.push_back(v < n ? v : sides[v]);
-        for (uint32_t s = 0; s < 2 * n; ++s)
-            block.turned[s].push_back(turn_corner(options.scheme, n, level, q, {s % n, s >= n}));
-    }
-    return block;
-}
 
 /// A face as a member of a group of equal neighbourhoods.
 struct Member {
@@ -123,149 +46,9 @@ struct Job {
     bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
-/// The refinement over one face, written down: each step's rows over the points of the level before, for the
-/// points that are needed. Entries hold positions among those. Points of level 0 are in the order of the
-/// neighbourhood's ring. In limit tables the last step carries tangents.
-struct Program {
-    struct Step {
-        std::vector<uint32_t> offsets;
-        Row entries;
-    };
-    size_t ring_size = 0, target_count = 0;
-    std::vector<Step> steps;                ///< in order of execution
-    std::vector<TangentWeights> tangents;   ///< beside the entries of the last step
-    std::vector<uint32_t> points, sources;  ///< scratch: vertices that a step makes, and needs
-    LocalRefinement local;
-};
-
-/// Appends one step whose rows are those of program.points; leaves the vertices it needs in program.points.
-template <class AppendRow>
-void write_step(Program& program, std::vector<uint32_t>& positions, Program::Step& step,
-                const AppendRow& append_row) {
-    step.offsets.assign(1, 0);
-    step.entries.clear();
-    program.sources.clear();
-    for (const uint32_t v : program.points) {
-        const size_t first = step.entries.size();
-        append_row(v, step.entries);
-        for (size_t k = first; k < step.entries.size(); ++k) {
-            uint32_t& position = positions[step.entries[k].index];
-            if (position == kInvalidIndex) {
-                position = static_cast<uint32_t>(program.sources.size());
-                program.sources.push_back(step.entries[k].index);
-            }
-            step.entries[k].index = position;
-        }
-        step.offsets.push_back(static_cast<uint32_t>(step.entries.size()));
-    }
-    std::swap(program.points, program.sources);
-}
-
-/// Works back from the targets over a face to its ring.
-void write_program(const Job& job, const Member& member, Neighborhood& hood, Program& program) {
-    const bool limit = job.options.target != Target::refined;
-    walk_around(job.walk(), member.face, member.orientation, hood);
-    const LocalRefinementOptions options{job.options.level, limit, job.uncut()};
-    refine_locally(job.base(), hood.faces, job.block(member.face).corners(member.orientation), options,
-                   program.local);
-    const std::vector<Topology>& levels = program.local.levels;
-    const size_t step_count = levels.size() - 1 + (limit ? 1 : 0);
-    program.steps.resize(step_count);
-    program.tangents.clear();
-    program.points = program.local.targets;
-    program.target_count = program.points.size();
-    program.ring_size = hood.ring.size();
-    std::vector<uint32_t> positions;
-    for (size_t step = step_count; step-- > 0;) {
-        const Topology& parent = levels[step];
-        positions.assign(parent.vertex_count, kInvalidIndex);
-        if (step == 0)
-            for (uint32_t v = 0; v < parent.vertex_count; ++v)
-                positions[v] = hood.local(program.local.ring[v]);
-        write_step(program, positions, program.steps[step], [&](uint32_t v, Row& row) {
-            if (step + 1 == levels.size()) return limit_row(parent, v, row, program.tangents);
-            const std::vector<uint32_t>& children = program.local.children[step + 1];
-            const uint32_t child = children.empty() ? v : children[v];
-            refinement_row(parent, child, job.options.interpolation, row);
-        });
-    }
-}
-
-/// Supports of the targets as bit sets over the ring: `words` words each.
-struct Supports {
-    uint32_t words = 0;
-    std::vector<uint64_t> bits, previous;
-};
-
-void run_supports(const Program& program, Supports& s) {
-    const size_t ring = program.ring_size;
-    s.words = static_cast<uint32_t>((ring + 63) / 64);
-    const size_t words = s.words;
-    s.bits.assign(ring * words, 0);
-    for (size_t i = 0; i < ring; ++i) s.bits[i * words + i / 64] |= uint64_t{1} << (i % 64);
-    for (const Program::Step& step : program.steps) {
-        std::swap(s.bits, s.previous);
-        const size_t rows = step.offsets.size() - 1;
-        s.bits.assign(rows * words, 0);
-        for (size_t r = 0; r < rows; ++r)
-            for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k) {
-                const uint64_t* from = s.previous.data() + step.entries[k].index * words;
-                for (size_t w = 0; w < words; ++w) s.bits[r * words + w] |= from[w];
-            }
-    }
-}
-
-uint32_t support_size(const Supports& s, size_t row) {
-    uint32_t size = 0;
-    for (size_t w = 0; w < s.words; ++w)
-        size += static_cast<uint32_t>(std::popcount(s.bits[row * s.words + w]));
-    return size;
-}
-
-/// Dense weights of the targets over the ring, `stride` columns a row.
-struct Weights {
-    size_t stride = 0;
-    std::vector<double> rows, previous, tangent1, tangent2;
-};
-
-// No fused multiply-add (the build forbids contraction), so wider vectors give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define LIMN_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define LIMN_VECTOR_CLONES
-#endif
-
-/// out row r = sum over its entries of weight * in row; `weights` are `weight_stride` doubles apart.
-LIMN_VECTOR_CLONES void multiply(const Program::Step& step, const double* weights, size_t weight_stride,
-                                 const double* in, size_t stride, double* out) {
-    const size_t rows = step.offsets.size() - 1;
-    for (size_t r = 0; r < rows; ++r) {
-        double* sum = out + r * stride;
-        for (uint32_t k = step.offsets[r]; k < step.offsets[r + 1]; ++k) {
-            const double weight = weights[k * weight_stride];
-            const double* row = in + step.entries[k].index * stride;
-            for (size_t i = 0; i < stride; ++i) sum[i] += weight * row[i];
-        }
-    }
-}
-
-void run_weights(const Program& program, Weights& w) {
-    const size_t ring = program.ring_size;
-    const size_t stride = w.stride = (ring + 7) / 8 * 8;
-    w.rows.assign(ring * stride, 0.0);
-    for (size_t i = 0; i < ring; ++i) w.rows[i * stride + i] = 1;
-    for (const Program::Step& step : program.steps) {
-        std::swap(w.rows, w.previous);
-        const size_t size = (step.offsets.size() - 1) * stride;
-        w.rows.assign(size, 0.0);
-        multiply(step, &step.entries[0].weight, sizeof(RowEntry) / sizeof(double), w.previous.data(), stride,
-                 w.rows.data());
-        if (&step != &program.steps.back() || program.tangents.empty()) continue;
-        w.tangent1.assign(size, 0.0);
-        w.tangent2.assign(size, 0.0);
-        multiply(step, &program.tangents[0].tangent1, 2, w.previous.data(), stride, w.tangent1.data());
-        multiply(step, &program.tangents[0].tangent2, 2, w.previous.data(), stride, w.tangent2.data());
-    }
+void write_member_program(const Job& job, const Member& member, Program& program) {
+    const std::vector<uint32_t>& targets = job.block(member.face).corners(member.orientation);
+    write_program(job.walk(), member.face, member.orientation, targets, job.options, program);
 }
 
 /// Rows of the targets over ring positions, zeros left out: what all members of a group copy.
@@ -434,10 +217,9 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Ca
     for_each_group(groups, [&](size_t group, std::span<const Member> members) {
         std::vector<uint32_t> row_sizes;
         {
-            Neighborhood hood;
             Program program;
             Supports supports;
-            write_program(job, members[0], hood, program);
+            write_member_program(job, members[0], program);
             run_supports(program, supports);
             size_t entries = 0;
             for (size_t i = 0; i < program.target_count; ++i) {
@@ -462,11 +244,10 @@ void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& 
     for_each_group(groups, [&](size_t group, std::span<const Member> members) {
         SharedRows<Real> rows = std::move(cache.rows[group]);
         if (rows.empty()) {
-            Neighborhood hood;
             Program program;
             Supports supports;
             Weights weights;
-            write_program(job, members[0], hood, program);
+            write_member_program(job, members[0], program);
             run_supports(program, supports);
             run_weights(program, weights);
             share_rows(supports, weights, rows);

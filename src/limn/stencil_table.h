@@ -46,11 +46,11 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
 
 /// The points of `level` (0 .. kMaxRefinementLevel) from the control points, straight from the base level:
 /// `refinement` need not go that deep. Row r is vertex r of the level; source_count is
-/// refinement.control_count. Weights are computed in double. Built on all cores; the result does not depend on
-/// their number. Beside the table and the base level, about a tenth of the table is held while it is built.
-/// Errors: invalid_argument (level); too_large when a level would hold more than 2^31 - 1 face corners or the
-/// table 2^32 entries or more; unsupported when more than 16,384 faces meet around one face (rows grow with the
-/// square of that: chain step tables there).
+/// refinement.control_count. Weights are computed in double. Built on all cores; the result does not depend
+/// on their number. Beside the table and the base level, about a tenth of the table is held while it is
+/// built. Errors: invalid_argument (level); too_large when a level would hold more than 2^31 - 1 face corners
+/// or the table 2^32 entries or more; unsupported when more than 16,384 faces meet around one face (rows grow
+/// with the square of that: chain step tables there).
 template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
                                                     Interpolation interpolation = Interpolation::vertex);
