@@ -13,6 +13,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -134,21 +135,17 @@ void write_rows(const Job& job, const Member& member, const SharedRows<Real>& ro
 struct Groups {
     std::vector<Member> members;
     std::vector<uint32_t> first;  ///< one more than groups
+    size_t largest_ring = 0;
 };
 
 /// Composed rows grow with the square of a valence; past this many faces around one face they are not worth
-/// having.
-bool fits_composition(const Topology& base) {
-    constexpr size_t kMaxFacesAround = 16384, kMaxRing = 0xffff;
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        size_t faces = 0, corners = 0;
-        for (const uint32_t v : base.vertices_of_face(f)) faces += base.corners_of_vertex(v).size();
+/// having, and walks around faces would take that square of time, too.
+bool is_walkable(const Topology& t) {
+    constexpr size_t kMaxFacesAround = 16384;
+    for (uint32_t f = 0; f < t.face_count; ++f) {
+        size_t faces = 0;
+        for (const uint32_t v : t.vertices_of_face(f)) faces += t.corners_of_vertex(v).size();
         if (faces > kMaxFacesAround) return false;
-        if (base.face_size != 0) continue;
-        for (const uint32_t v : base.vertices_of_face(f))
-            for (const uint32_t c : base.corners_of_vertex(v))
-                corners += base.size_of_face(base.face_of_corner(c));
-        if (corners > kMaxRing) return false;
     }
     return true;
 }
@@ -157,13 +154,20 @@ Groups group_faces(const Job& job) {
     const Topology& base = job.base();
     Groups groups;
     groups.members.resize(base.face_count);
+    std::atomic<size_t> largest_ring{0};
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
         Neighborhood hood;
+        size_t largest = 0;
         for (uint32_t f = range.begin(); f != range.end(); ++f) {
             groups.members[f].face = f;
             groups.members[f].orientation = choose_orientation(job.walk(), f, hood, groups.members[f].hash);
+            largest = std::max(largest, hood.ring.size());
+        }
+        for (size_t seen = largest_ring;
+             seen < largest && !largest_ring.compare_exchange_weak(seen, largest);) {
         }
     });
+    groups.largest_ring = largest_ring;
     tbb::parallel_sort(groups.members.begin(), groups.members.end(), [](const Member& a, const Member& b) {
         return a.hash != b.hash ? a.hash < b.hash : a.face < b.face;
     });
@@ -280,15 +284,17 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
     if (!counts) return counts.error();
     Job job{refinement, options, std::move(*counts), {}};
     const Topology& base = job.base();
-    if (!fits_composition(base))
-        return Error{ErrorCode::unsupported,
-                     "a vertex has too many edges for a table over the control points: chain step tables"};
+    const Error too_wide{
+        ErrorCode::unsupported,
+        "too many faces meet around one face for a table over the control points: chain step tables"};
+    if (!is_walkable(base) || (job.uncut() != nullptr && !is_walkable(*job.uncut()))) return too_wide;
     for (uint32_t f = 0; f < base.face_count; ++f) {
         const uint32_t n = base.size_of_face(f);
         if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
         if (base.face_size != 0) break;
     }
     const Groups groups = group_faces(job);
+    if (groups.largest_ring > std::numeric_limits<uint16_t>::max()) return too_wide;
     BasicStencilTable<Real> table;
     table.source_count = refinement.control_count;
     table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);
