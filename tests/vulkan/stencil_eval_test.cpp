@@ -229,6 +229,20 @@ TEST_F(StencilEval, MatchesHostFromSourcesWithoutTexelUsage) {
     check(make_random_table(500, 3000, 0, 70), 2, {.stride = 2}, {.stride = 2}, kTolerance, true);
 }
 
+// Points of four components on 16-byte boundaries are fetched whole on CPU devices; next to a boundary they
+// are not.
+TEST_F(StencilEval, FetchesPointsOfFourComponents) {
+    for (const uint32_t width : {4u, 8u}) {
+        for (const Layout& from :
+             {Layout{.stride = width}, Layout{.offset_bytes = 16, .first = 4, .stride = width + 4},
+              Layout{.offset_bytes = 4, .first = 3, .stride = width},
+              Layout{.offset_bytes = 4, .stride = width}, Layout{.stride = width + 1}}) {
+            check(make_step_table(32, 5), width, from, {.first = 1, .stride = width + 2}, kTolerance);
+            check(make_random_table(500, 3000, 0, 70), width, from, {.stride = width}, kTolerance);
+        }
+    }
+}
+
 TEST_F(StencilEval, MatchesHostForLongAndEmptyRows) {
     check(make_random_table(9000, 40, 1900, 2100), 3, {}, {}, 1e-5);
     check(make_random_table(100, 1000, 60, 70), 4, {.stride = 4}, {.stride = 4}, kTolerance);
