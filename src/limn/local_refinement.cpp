@@ -128,7 +128,10 @@ void extract_vertices(Extraction& x) {
     std::copy(seam_sharpness.begin(), seam_sharpness.end(), to.dependent_seam_sharpness.begin());
 }
 
-Topology extract(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices) {
+}  // namespace
+
+Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
+                       std::vector<uint32_t>& vertices) {
     Topology to;
     vertices.clear();
     Extraction x{from,
@@ -144,6 +147,8 @@ Topology extract(const Topology& from, const std::vector<uint32_t>& faces, std::
     extract_vertices(x);
     return to;
 }
+
+namespace {
 
 /// Appends to `faces` those around the flagged vertices (and around the vertices that lead them), each once.
 void append_faces_around(const Topology& t, std::vector<uint8_t>& flags, std::vector<uint32_t>& faces) {
@@ -170,6 +175,18 @@ std::vector<uint32_t> faces_touching(const Topology& t, uint32_t centre_count) {
     append_faces_around(t, flags, faces);
     return faces;
 }
+
+}  // namespace
+
+std::vector<uint32_t> faces_touching_face(const Topology& t, uint32_t face) {
+    std::vector<uint32_t> faces(1, face);
+    std::vector<uint8_t> flags(t.vertex_count, 0);
+    for (const uint32_t v : t.vertices_of_face(face)) flags[v] = 1;
+    append_faces_around(t, flags, faces);
+    return faces;
+}
+
+namespace {
 
 /// The faces around some vertices of t; with `uncut`, whose corners are those of t, also the ones beyond
 /// seams there.
@@ -210,9 +227,9 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
     std::vector<uint32_t> vertices;
     out.levels.clear();
     out.children.assign(1, {});
-    out.levels.push_back(extract(base, faces, out.ring));
+    out.levels.push_back(extract_faces(base, faces, out.ring));
     Topology uncut;
-    if (chaikin) uncut = extract(*options.uncut, faces, vertices);
+    if (chaikin) uncut = extract_faces(*options.uncut, faces, vertices);
     uint32_t last = options.level;
     if (options.to_limit) {
         last = std::max(last, 1u);
@@ -236,8 +253,8 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
             const std::vector<uint32_t> kept =
                 beyond ? faces_around(child, chaikin ? &uncut : nullptr, out.targets)
                        : faces_touching(chaikin ? uncut : child, centre_count);
-            if (chaikin) uncut = extract(uncut, kept, vertices);
-            child = extract(child, kept, vertices);
+            if (chaikin) uncut = extract_faces(uncut, kept, vertices);
+            child = extract_faces(child, kept, vertices);
             if (beyond) renumber(vertices, out.targets);
             out.children.push_back(vertices);
         } else {

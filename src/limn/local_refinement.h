@@ -35,6 +35,14 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
                     const std::vector<uint32_t>& target_corners, const LocalRefinementOptions& options,
                     LocalRefinement& out);
 
+/// The part of a topology that consists of some of its faces, which keep their order. Stars keep their order,
+/// too, and lose what lies outside. `vertices` receives the vertices that the new ones were.
+Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
+                       std::vector<uint32_t>& vertices);
+
+/// A face and, after it, all that its corners' rules depend on: those that touch it.
+std::vector<uint32_t> faces_touching_face(const Topology& t, uint32_t face);
+
 /// Component counts of the levels of a mesh.
 struct LevelCounts {
     uint32_t vertices, edges, faces, corners;

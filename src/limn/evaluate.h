@@ -1,0 +1,46 @@
+// The limit surface on the CPU, in double: the reference for kernels.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "limn/patch_table.h"
+
+namespace limn {
+
+/// A place on the surface: `face` is the ptex face, (u, v) in the unit square (Loop: the triangle u + v <= 1)
+/// with (0, 0) at the face's (for other than the scheme's own size: the corner's) vertex and u along the edge
+/// to the next one.
+struct PatchSample {
+    uint32_t face;
+    double u, v;
+};
+
+enum class SampleStatus : uint8_t {
+    valid,
+    hole,          ///< the face is not part of the surface
+    out_of_range,  ///< no such ptex face, or (u, v) not within it or not finite
+};
+
+/// How much evaluate_patches writes for each sample.
+enum class Derivatives : uint8_t { none, first, second };
+
+/// Values per sample and component: 1, 3 or 6, in the order value, du, dv, duu, duv, dvv.
+inline uint32_t value_count(Derivatives derivatives) {
+    return derivatives == Derivatives::none ? 1 : derivatives == Derivatives::first ? 3 : 6;
+}
+
+/// Evaluates the surface at each sample. `points`: table.point_count() * width values, control points
+/// followed by those that table.stencils makes of them. Sample s's value k, component i goes to
+/// results[(s * value_count + k) * width + i]; where the status is not valid all are zero. Derivatives are
+/// with respect to the ptex face's u and v. At an extraordinary vertex, where they do not exist or vanish,
+/// they are those of a secant 2^-30 of the face long or less: finite, and along the tangents.
+void evaluate_patches(const PatchTableDouble& table, std::span<const PatchSample> samples,
+                      std::span<const double> points, uint32_t width, Derivatives derivatives,
+                      std::span<double> results, std::span<SampleStatus> statuses);
+
+/// Control points -> control points and level-1 points: point_count() * width values.
+void build_patch_points(const PatchTableDouble& table, std::span<const double> control_points, uint32_t width,
+                        std::span<double> points);
+
+}  // namespace limn

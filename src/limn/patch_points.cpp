@@ -1,0 +1,233 @@
+#include "limn/patch_points.h"
+
+namespace limn {
+namespace {
+
+constexpr int kNone = -1;
+
+/// Corners of v's other faces, one step on around v: across the edge that ends, or begins, at corner c.
+int corner_across(const Topology& t, uint32_t c, uint32_t edge_corner) {
+    const uint32_t e = t.face_edges[edge_corner];
+    const auto corners = t.corners_of_edge(e);
+    if (corners.size() != 2 || is_infinite(t.edge_sharpness[e])) return kNone;
+    const uint32_t other = corners[0] == edge_corner ? corners[1] : corners[0];
+    const uint32_t v = t.face_vertices[c];
+    if (t.face_vertices[other] == v) return static_cast<int>(other);
+    return static_cast<int>(t.next_corner(other));
+}
+int corner_after(const Topology& t, uint32_t c) {
+    return corner_across(t, c, t.previous_corner(c));
+}
+int corner_before(const Topology& t, uint32_t c) {
+    return corner_across(t, c, c);
+}
+
+enum class CornerKind : uint8_t { irregular, smooth, crease, corner };
+
+struct Corner {
+    CornerKind kind = CornerKind::irregular;
+    bool sharp_next = false, sharp_previous = false;  ///< the face's edges from and to here
+    float crease = 0;                                 ///< of a semi-sharp crease that passes straight through
+};
+
+uint32_t sector_size(const Topology& t, uint32_t c, uint32_t most) {
+    uint32_t size = 1;
+    for (int at = corner_after(t, c); at != kNone && at != static_cast<int>(c) && size <= most; ++size)
+        at = corner_after(t, static_cast<uint32_t>(at));
+    for (int at = corner_before(t, c); at != kNone && at != static_cast<int>(c) && size <= most; ++size)
+        at = corner_before(t, static_cast<uint32_t>(at));
+    return size;
+}
+
+bool own_size_around(const Topology& t, uint32_t v, uint32_t size) {
+    if (t.face_size != 0) return t.face_size == size;
+    for (const uint32_t c : t.corners_of_vertex(v))
+        if (t.size_of_face(t.face_of_corner(c)) != size) return false;
+    return true;
+}
+
+Corner classify(const Topology& t, uint32_t c) {
+    Corner corner;
+    const bool triangles = t.options.scheme == Scheme::loop;
+    const uint32_t v = t.face_vertices[c];
+    const auto edges = t.edges_of_vertex(v);
+    const size_t valence = triangles ? 6 : 4;
+    if (!own_size_around(t, v, triangles ? 3 : 4) || t.find_dependent(v) != Topology::kNotDependent)
+        return corner;
+    uint32_t infinite = 0, finite = 0;
+    for (const uint32_t e : edges) {
+        infinite += is_infinite(t.edge_sharpness[e]);
+        finite += t.edge_sharpness[e] > 0 && !is_infinite(t.edge_sharpness[e]);
+    }
+    corner.sharp_next = is_infinite(t.edge_sharpness[t.face_edges[c]]);
+    corner.sharp_previous = is_infinite(t.edge_sharpness[t.face_edges[t.previous_corner(c)]]);
+    const bool closed = t.vertex_manifold[v] != 0 && edges.size() == t.corners_of_vertex(v).size();
+    const VertexRule rule = t.vertex_rules[v];
+    if (rule == VertexRule::smooth && finite + infinite == 0 && closed && edges.size() == valence) {
+        corner.kind = CornerKind::smooth;
+    } else if (rule == VertexRule::crease && finite == 0 && infinite == 2) {
+        if (sector_size(t, c, 3) == valence / 2) corner.kind = CornerKind::crease;
+    } else if (rule == VertexRule::corner && finite == 0 &&
+               (is_infinite(t.vertex_sharpness[v]) || infinite > 2)) {
+        if (corner.sharp_next && corner.sharp_previous) corner.kind = CornerKind::corner;
+    } else if (rule == VertexRule::crease && !triangles && finite == 2 && infinite == 0 && closed &&
+               edges.size() == 4) {
+        const float a = t.edge_sharpness[edges[0]], b = t.edge_sharpness[edges[1]];
+        const bool straight = a == t.edge_sharpness[edges[2]] && b == t.edge_sharpness[edges[3]];
+        if (straight) {
+            corner.kind = CornerKind::smooth;
+            corner.crease = a > 0 ? a : b;
+        }
+    }
+    return corner;
+}
+
+void add(Row& to, const Row& from, double weight) {
+    for (const RowEntry& e : from) {
+        size_t i = 0;
+        while (i < to.size() && to[i].index != e.index) ++i;
+        if (i == to.size()) to.push_back({e.index, 0});
+        to[i].weight += weight * e.weight;
+    }
+}
+Row twice_less(const Row& a, const Row& b) {
+    Row row;
+    add(row, a, 2);
+    add(row, b, -1);
+    return row;
+}
+/// a + b - c.
+Row parallelogram(const Row& a, const Row& b, const Row& c) {
+    Row row;
+    add(row, a, 1);
+    add(row, b, 1);
+    add(row, c, -1);
+    return row;
+}
+Row vertex_at(const Topology& t, uint32_t corner, uint32_t steps) {
+    for (; steps != 0; --steps) corner = t.next_corner(corner);
+    return {{t.face_vertices[corner], 1}};
+}
+
+uint32_t other_corner(const Topology& t, uint32_t c) {
+    const auto corners = t.corners_of_edge(t.face_edges[c]);
+    return corners[0] == c ? corners[1] : corners[0];
+}
+
+/// The 4 by 4 net around a quad; u is columns.
+void fill_quad(const Topology& t, uint32_t face, const Corner (&corners)[4], PatchPoints& out) {
+    constexpr int at[4] = {5, 6, 10, 9}, away[4] = {-4, 1, 4, -1};
+    auto point = [&](int i) -> Row& { return out.points[static_cast<size_t>(i)]; };
+    const uint32_t begin = t.face_begin(face);
+    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = {{t.face_vertices[begin + k], 1}};
+    for (uint32_t k = 0; k < 4; ++k) {
+        const int a = at[k], b = at[(k + 1) & 3], d = away[k];
+        if (corners[k].sharp_next) {
+            point(a + d) = twice_less(point(a), point(a - d));
+            point(b + d) = twice_less(point(b), point(b - d));
+        } else {
+            const uint32_t c = other_corner(t, begin + k);
+            point(a + d) = vertex_at(t, c, 2);
+            point(b + d) = vertex_at(t, c, 3);
+        }
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+        const int d = away[k], e = away[(k + 3) & 3], diagonal = at[k] + d + e;
+        if (!corners[k].sharp_next && !corners[k].sharp_previous) {
+            const int beside = corner_before(t, begin + k);
+            const int opposite = corner_before(t, static_cast<uint32_t>(beside));
+            point(diagonal) = vertex_at(t, static_cast<uint32_t>(opposite), 2);
+        } else if (corners[k].sharp_next) {
+            point(diagonal) = twice_less(point(at[k] + e), point(at[k] + e - d));
+        } else {
+            point(diagonal) = twice_less(point(at[k] + d), point(at[k] + d - e));
+        }
+    }
+}
+
+/// Where the 12 points stand: rows of 3, 4, 3, 2 from v = -1, each from the smallest u.
+int lattice_index(int u, int v) {
+    constexpr int first[4] = {0, 3, 7, 10}, least[4] = {0, -1, -1, -1};
+    return first[v + 1] + u - least[v + 1];
+}
+
+void fill_triangle(const Topology& t, uint32_t face, const Corner (&corners)[4], PatchPoints& out) {
+    constexpr int du[6] = {1, 0, -1, -1, 0, 1}, dv[6] = {0, 1, 1, 0, -1, -1};
+    constexpr int u[3] = {0, 1, 0}, v[3] = {0, 0, 1};
+    const uint32_t begin = t.face_begin(face);
+    auto point = [&](uint32_t k, uint32_t turn) -> Row& {
+        const uint32_t d = (2 * k + turn) % 6;
+        return out.points[static_cast<size_t>(lattice_index(u[k] + du[d], v[k] + dv[d]))];
+    };
+    auto own = [&](uint32_t k) -> Row& { return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))]; };
+    for (uint32_t k = 0; k < 3; ++k) own(k) = {{t.face_vertices[begin + k], 1}};
+    for (uint32_t k = 0; k < 3; ++k)
+        point(k, 5) = corners[k].sharp_next ? parallelogram(own(k), own((k + 1) % 3), own((k + 2) % 3))
+                                            : vertex_at(t, other_corner(t, begin + k), 2);
+    for (uint32_t k = 0; k < 3; ++k) {
+        const Row &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2), &n5 = point(k, 5);
+        Row &n3 = point(k, 3), &n4 = point(k, 4);
+        const int after = corner_after(t, begin + k), before = corner_before(t, begin + k);
+        if (corners[k].kind == CornerKind::corner) {
+            n3 = twice_less(p, n0);
+            n4 = twice_less(p, n1);
+            continue;
+        }
+        // One face further on each side, where it belongs to this side of a crease.
+        const int after2 = after == kNone ? kNone : corner_after(t, static_cast<uint32_t>(after));
+        const int before2 = before == kNone ? kNone : corner_before(t, static_cast<uint32_t>(before));
+        const bool real3 = after2 != kNone, real4 = before2 != kNone;
+        if (real3) n3 = vertex_at(t, static_cast<uint32_t>(after2), 2);
+        if (real4) n4 = vertex_at(t, static_cast<uint32_t>(before2), 1);
+        if (real3 && !real4) n4 = parallelogram(p, n3, n2);
+        if (real4 && !real3) n3 = parallelogram(p, n4, n5);
+        if (!real3 && !real4) {
+            n3 = parallelogram(p, n2, n1);
+            n4 = parallelogram(p, n5, n0);
+        }
+    }
+}
+
+}  // namespace
+
+bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out) {
+    const uint32_t size = t.options.scheme == Scheme::loop ? 3 : 4, begin = t.face_begin(face);
+    if (t.size_of_face(face) != size) return false;
+    out.crease_sharpness = 0;
+    if (linear) {
+        out.kind = PlanNodeKind::bilinear;
+        out.count = size;
+        for (uint32_t k = 0; k < size; ++k) out.points[k] = {{t.face_vertices[begin + k], 1}};
+        return true;
+    }
+    Corner corners[4];
+    for (uint32_t k = 0; k < size; ++k) {
+        corners[k] = classify(t, begin + k);
+        if (corners[k].kind == CornerKind::irregular) return false;
+    }
+    for (uint32_t k = 0; k < size; ++k) {
+        const float sharpness = t.edge_sharpness[t.face_edges[begin + k]];
+        const float here = corners[k].crease;
+        if (sharpness > 0 && !is_infinite(sharpness)) {
+            if (out.crease_sharpness > 0) return false;
+            if (here != sharpness || corners[(k + 1) & 3].crease != sharpness) return false;
+            out.crease_sharpness = sharpness;
+            out.crease_edge = k;
+        }
+    }
+    for (uint32_t k = 0; k < size; ++k) {
+        const bool on_crease =
+            out.crease_sharpness > 0 && (k == out.crease_edge || k == ((out.crease_edge + 1) & 3));
+        if (on_crease != (corners[k].crease > 0)) return false;
+        if (out.crease_sharpness > 0 && (corners[k].sharp_next || corners[k].sharp_previous)) return false;
+    }
+    out.kind = size == 3 ? PlanNodeKind::box_spline : PlanNodeKind::bicubic;
+    out.count = size == 3 ? 12 : 16;
+    if (size == 3)
+        fill_triangle(t, face, corners, out);
+    else
+        fill_quad(t, face, corners, out);
+    return true;
+}
+
+}  // namespace limn

@@ -1,0 +1,28 @@
+// Faces whose limit is one polynomial patch, and the points of that patch. Not part of the public interface.
+#pragma once
+
+#include <array>
+
+#include "limn/patch_table.h"
+#include "limn/stencil_row.h"
+#include "limn/topology.h"
+
+namespace limn {
+
+/// A patch's points as weighted sums of vertices; what lies beyond an infinitely sharp edge is extrapolated.
+struct PatchPoints {
+    PlanNodeKind kind = PlanNodeKind::bicubic;
+    uint32_t count = 0;
+    std::array<Row, 16> points;
+    /// Bicubic: the sharpness of crease_edge, the only one of the face that is neither smooth nor infinite;
+    /// else 0. The surface then is that of these points refined across that edge.
+    float crease_sharpness = 0;
+    uint32_t crease_edge = 0;
+};
+
+/// False where the face is not regular: anything but 4 (Loop: 6) faces around a smooth corner, 2 (3) beside
+/// an infinite crease or boundary, 1 in an infinitely sharp corner. `linear`: every face of the scheme's own
+/// size is a bilinear patch. Loop triangles that are to be linear are box splines of a special net.
+bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
+
+}  // namespace limn
