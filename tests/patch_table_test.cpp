@@ -133,5 +133,210 @@ TEST(PatchTable, equals_the_limits_of_refined_random_meshes) {
         EXPECT_LE(limit_error(random_mesh(seed), {}), 1e-12) << "seed " << seed;
 }
 
+std::vector<TestMesh> some_shapes(size_t step) {
+    std::vector<TestMesh> all = all_shapes(), result;
+    for (size_t i = 0; i < all.size(); i += step) result.push_back(std::move(all[i]));
+    return result;
+}
+
+ControlMesh control_mesh(const TestMesh& mesh) {
+    auto control = ControlMesh::create(mesh.description());
+    EXPECT_TRUE(control) << mesh.name;
+    return std::move(control).value();
+}
+
+/// Places of every face, a few of them close to its corners.
+std::vector<PatchSample> scattered_samples(const PatchTableDouble& table, uint64_t seed) {
+    RandomNumbers random(seed);
+    const bool triangles = table.options.scheme == Scheme::loop;
+    std::vector<PatchSample> samples;
+    for (uint32_t f = 0; f < table.ptex_surfaces.size(); ++f) {
+        for (uint32_t i = 0; i < 6; ++i) {
+            const double scale = i < 4 ? 1 : std::exp2(-4.0 * i);
+            double u = random.uniform(0, 1), v = random.uniform(0, 1);
+            if (triangles && u + v > 1) {
+                u = 1 - u;
+                v = 1 - v;
+            }
+            samples.push_back({f, u * scale, v * scale});
+        }
+    }
+    return samples;
+}
+
+double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double worst = 0;
+    for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
+    return worst;
+}
+
+TEST(PatchTable, does_not_depend_on_the_depth_of_plans) {
+    for (const TestMesh& mesh : some_shapes(11)) {
+        const ControlMesh control = control_mesh(mesh);
+        const auto shallow = build_patch_table<double>(control, {.plan_depth = 1});
+        const auto deep = build_patch_table<double>(control, {.plan_depth = 4});
+        ASSERT_TRUE(shallow && deep);
+        const std::vector<PatchSample> samples = scattered_samples(*shallow, 7);
+        const auto a = evaluate(*shallow, samples, mesh.positions_double(), 3, Derivatives::first);
+        const auto b = evaluate(*deep, samples, mesh.positions_double(), 3, Derivatives::first);
+        // Derivatives differ by rounding that 2^depth magnifies.
+        EXPECT_LE(worst_difference(a.values, b.values), 1e-6 * mesh.size()) << mesh.name;
+    }
+}
+
+TEST(PatchTable, derivatives_are_those_of_the_surface) {
+    constexpr double kStep = 1e-5;
+    for (const TestMesh& mesh : some_shapes(7)) {
+        const ControlMesh control = control_mesh(mesh);
+        const auto table = build_patch_table<double>(control, {});
+        ASSERT_TRUE(table);
+        // Away from lines on which second derivatives jump: none of these places is near a dyadic one.
+        const double places[3][2] = {{0.3, 0.21}, {0.13, 0.59}, {0.41, 0.077}};
+        for (uint32_t f = 0; f < table->ptex_surfaces.size(); ++f) {
+            for (const auto& [u, v] : places) {
+                const std::vector<PatchSample> samples = {
+                    {f, u, v}, {f, u + kStep, v}, {f, u - kStep, v}, {f, u, v + kStep}, {f, u, v - kStep}};
+                const auto e = evaluate(*table, samples, mesh.positions_double(), 3, Derivatives::second);
+                if (e.statuses[0] != SampleStatus::valid) continue;
+                auto at = [&](size_t s, size_t k, size_t i) { return e.values[(s * 6 + k) * 3 + i]; };
+                for (size_t i = 0; i < 3; ++i) {
+                    const double tolerance = 1e-4 * mesh.size();
+                    EXPECT_NEAR((at(1, 0, i) - at(2, 0, i)) / (2 * kStep), at(0, 1, i), tolerance)
+                        << mesh.name;
+                    EXPECT_NEAR((at(3, 0, i) - at(4, 0, i)) / (2 * kStep), at(0, 2, i), tolerance)
+                        << mesh.name;
+                    EXPECT_NEAR((at(1, 1, i) - at(2, 1, i)) / (2 * kStep), at(0, 3, i), 30 * tolerance);
+                    EXPECT_NEAR((at(3, 1, i) - at(4, 1, i)) / (2 * kStep), at(0, 4, i), 30 * tolerance);
+                    EXPECT_NEAR((at(3, 2, i) - at(4, 2, i)) / (2 * kStep), at(0, 5, i), 30 * tolerance);
+                }
+            }
+        }
+    }
+}
+
+TEST(PatchTable, rows_of_plans_sum_to_one) {
+    for (const TestMesh& mesh : all_shapes()) {
+        const auto table = build_patch_table<double>(control_mesh(mesh), {});
+        ASSERT_TRUE(table);
+        for (const Plan& plan : table->plans)
+            for (uint32_t r = 0; r < plan.row_count; ++r) {
+                double sum = 0;
+                for (uint32_t j = 0; j < plan.ring_size; ++j)
+                    sum += table->plan_weights[plan.first_weight + size_t{r} * plan.ring_size + j];
+                ASSERT_NEAR(sum, 1, 1e-12) << mesh.name << " row " << r;
+            }
+    }
+}
+
+template <class T>
+bool same_bytes(const Array<T>& a, const Array<T>& b) {
+    return a.bytes() == b.bytes() && (a.empty() || std::memcmp(a.data(), b.data(), a.bytes()) == 0);
+}
+
+TEST(PatchTable, does_not_depend_on_what_the_cache_holds) {
+    const PlanCache cache;
+    for (const TestMesh& mesh : some_shapes(5)) {
+        const ControlMesh control = control_mesh(mesh);
+        const auto alone = build_patch_table<float>(control, {});
+        const auto cold = build_patch_table<float>(control, {}, &cache);
+        const uint32_t plans = cache.size();
+        const auto warm = build_patch_table<float>(control, {}, &cache);
+        ASSERT_TRUE(alone && cold && warm);
+        EXPECT_EQ(cache.size(), plans) << mesh.name;
+        for (const auto* other : {&*cold, &*warm}) {
+            EXPECT_TRUE(same_bytes(alone->surfaces, other->surfaces)) << mesh.name;
+            EXPECT_TRUE(same_bytes(alone->plan_nodes, other->plan_nodes)) << mesh.name;
+            EXPECT_TRUE(same_bytes(alone->plan_weights, other->plan_weights)) << mesh.name;
+            EXPECT_TRUE(same_bytes(alone->ring_points, other->ring_points)) << mesh.name;
+        }
+    }
+}
+
+TEST(PatchTable, alike_neighbourhoods_of_different_meshes_share_plans) {
+    const PlanCache cache;
+    const auto small = build_patch_table<float>(control_mesh(make_quad_star(5, 4)), {}, &cache);
+    const uint32_t plans = cache.size();
+    TestMesh turned = make_quad_star(5, 4);  // faces in another order, each from another corner
+    std::vector<uint32_t> reversed;
+    for (uint32_t f = turned.face_count(); f-- > 0;)
+        for (uint32_t k = 0; k < 4; ++k) reversed.push_back(turned.face_vertices[4 * f + (k + f) % 4]);
+    turned.face_vertices = reversed;
+    const auto other = build_patch_table<float>(control_mesh(turned), {}, &cache);
+    ASSERT_TRUE(small && other);
+    // A plan that turned faces cannot share is a regular one, whose corners all look alike.
+    EXPECT_LE(cache.size(), plans + 3);
+    EXPECT_LT(small->plans.size(), 20u);
+}
+
+TEST(PatchTable, face_varying_channels_equal_the_limits_of_refined_values) {
+    for (TestMesh mesh : face_varying_shapes()) {
+        mesh.options.opensubdiv_compatible = false;
+        const ControlMesh control = control_mesh(mesh);
+        for (uint32_t channel = 0; channel < mesh.channels.size(); ++channel) {
+            const auto table = build_face_varying_patch_table<double>(control, channel, {});
+            if (mesh.options.creasing == CreasingMethod::chaikin) {
+                EXPECT_TRUE(table || table.error().code == ErrorCode::unsupported);
+                if (!table) continue;
+            }
+            const auto refinement = build_face_varying_refinement(control, channel, {kLevel, false});
+            ASSERT_TRUE(table && refinement);
+            const auto limits = build_limit_table<double>(*refinement, kLevel);
+            ASSERT_TRUE(limits);
+            const auto& floats = mesh.channels[channel].values;
+            const std::vector<double> values(floats.begin(), floats.end());
+            std::vector<double> truth(size_t{limits->row_count()} * 2);
+            apply_stencil_table<double>(*limits, values, truth, 2);
+            std::vector<uint8_t> present;
+            const std::vector<Corner> corners = refined_corners(*refinement, present);
+            const auto ours = evaluate(*table, samples_of(corners), values, 2, Derivatives::none);
+            double worst = 0;
+            for (size_t c = 0; c < corners.size(); ++c)
+                for (size_t i = 0; present[c] != 0 && i < 2; ++i)
+                    worst = std::max(
+                        worst, std::abs(ours.values[2 * c + i] - truth[corners[c].vertex * size_t{2} + i]));
+            EXPECT_LE(worst, 1e-11) << mesh.name << " channel " << channel;
+        }
+    }
+}
+
+TEST(PatchTable, varying_data_is_linear_in_each_face) {
+    const TestMesh mesh = make_prism(5);
+    const auto table =
+        build_patch_table<double>(control_mesh(mesh), {.interpolation = Interpolation::varying});
+    ASSERT_TRUE(table);
+    const auto e = evaluate(*table, {{0, 0, 0}, {0, 1, 1}, {0, 0.5, 0.5}}, mesh.positions_double(), 3,
+                            Derivatives::none);
+    const auto positions = mesh.positions_double();
+    const bool polygon_first = mesh.face_sizes[0] != 4;
+    for (size_t i = 0; i < 3; ++i) {
+        const uint32_t n = mesh.face_sizes[0];
+        auto corner = [&](uint32_t k) { return positions[3 * size_t{mesh.face_vertices[k]} + i]; };
+        double centroid = 0;
+        for (uint32_t k = 0; k < n; ++k) centroid += corner(k) / n;
+        EXPECT_NEAR(e.values[i], corner(0), 1e-12);
+        EXPECT_NEAR(e.values[3 + i], polygon_first ? centroid : corner(2), 1e-12);
+    }
+}
+
+TEST(PatchTable, flags_samples_that_are_not_on_the_surface) {
+    TestMesh mesh = make_cube();
+    mesh.holes = {2};
+    const auto table = build_patch_table<double>(control_mesh(mesh), {});
+    ASSERT_TRUE(table);
+    const double nan = std::nan("");
+    const auto e = evaluate(*table, {{0, 0.5, 0.5}, {2, 0.5, 0.5}, {6, 0, 0}, {0, 1.01, 0}, {0, 0, nan}},
+                            mesh.positions_double(), 3, Derivatives::none);
+    EXPECT_EQ(e.statuses[0], SampleStatus::valid);
+    EXPECT_EQ(e.statuses[1], SampleStatus::hole);
+    for (size_t s = 2; s < 5; ++s) EXPECT_EQ(e.statuses[s], SampleStatus::out_of_range);
+    for (size_t i = 3; i < 15; ++i) EXPECT_EQ(e.values[i], 0);
+    for (uint32_t depth : {0u, 11u}) {
+        const auto refused = build_patch_table<double>(control_mesh(mesh), {.plan_depth = depth});
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);
+    }
+}
+
 }  // namespace
 }  // namespace limn::test

@@ -62,7 +62,8 @@ void read_star(const Topology& t, const WalkOptions& options, uint32_t corner, b
         static_cast<uint32_t>(corners.size()), static_cast<uint32_t>(edges.size()),
         t.vertex_manifold[v] != 0 && corners.size() == edges.size(), mirrored};
     auto put = [&](uint32_t x) { out.signature.push_back(x); };
-    put(order.corners << 1 | t.vertex_manifold[v]);
+    // In refined levels a face-varying value's rule can outlast the sharpness that made it.
+    put(order.corners << 3 | static_cast<uint32_t>(t.vertex_rules[v]) << 1 | t.vertex_manifold[v]);
     put(order.edges);
     put(options.with_tangents ? order.own : order.own_position());
     put(bits(t.vertex_sharpness[v]));

@@ -30,9 +30,11 @@ struct Builder {
         // Linear surfaces depend on their corners only.
         if (options.linear) {
             const Topology& t = level(c);
-            const auto vertices = t.vertices_of_face(c.face);
-            hood.ring.assign(vertices.begin(), vertices.end());
+            hood.ring.clear();
+            hood.map.clear();
+            hood.signature.clear();
             hood.faces.assign(1, c.face);
+            for (const uint32_t v : t.vertices_of_face(c.face)) hood.signature.push_back(hood.local(v));
             return;
         }
         walk_around({level(c)}, c.face, {c.rotation, false}, hood);

@@ -309,7 +309,10 @@ uint32_t count_sharp_levels(const Topology& level) {
     auto look_at = [&](float s) { largest = is_infinite(s) ? largest : std::max(largest, s); };
     for (const float s : level.edge_sharpness) look_at(s);
     for (const float s : level.vertex_sharpness) look_at(s);
-    return static_cast<uint32_t>(std::ceil(largest));
+    // A value that has stopped following another stays a corner for one level more.
+    const auto& seams = level.dependent_seam_sharpness;
+    const bool outlasted = std::any_of(seams.begin(), seams.end(), [](float s) { return s > 0; });
+    return static_cast<uint32_t>(std::ceil(largest)) + outlasted;
 }
 
 Result<std::vector<LevelCounts>> count_levels(const Topology& base, uint32_t level) {

@@ -39,8 +39,8 @@ Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOpt
 Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32_t channel,
                                                  const RefinementOptions& options);
 
-/// Levels after which no finite sharpness of this one is left: ceil of the largest. Limits can be taken from
-/// there on.
+/// Levels after which no finite sharpness of this one is left: ceil of the largest, and one more where a
+/// face-varying value can outlast it. Limits can be taken from there on.
 uint32_t count_sharp_levels(const Topology& level);
 
 /// Index of the child vertex of a vertex, face (not Loop) or edge of `parent`.
