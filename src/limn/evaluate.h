@@ -30,17 +30,20 @@ inline uint32_t value_count(Derivatives derivatives) {
     return derivatives == Derivatives::none ? 1 : derivatives == Derivatives::first ? 3 : 6;
 }
 
-/// Evaluates the surface at each sample. `points`: table.point_count() * width values, control points
-/// followed by those that table.stencils makes of them. Sample s's value k, component i goes to
-/// results[(s * value_count + k) * width + i]; where the status is not valid all are zero. Derivatives are
-/// with respect to the ptex face's u and v. At an extraordinary vertex, where they do not exist or vanish,
-/// they are those of a secant 2^-30 of the face long or less: finite, and along the tangents.
-void evaluate_patches(const PatchTableDouble& table, std::span<const PatchSample> samples,
+/// Evaluates the surface at each sample, in double, with the weights of the table. `points`:
+/// table.point_count() * width values, control points followed by those that build_patch_points makes of
+/// them. Sample s's value k, component i goes to results[(s * value_count + k) * width + i]; where the status
+/// is not valid all are zero. Derivatives are with respect to the ptex face's u and v. Exactly at an
+/// extraordinary vertex, where they do not exist or vanish, du and dv are two limit tangents (their lengths
+/// carry no meaning, du x dv points along the normal) and second derivatives are zero.
+template <class Real>
+void evaluate_patches(const BasicPatchTable<Real>& table, std::span<const PatchSample> samples,
                       std::span<const double> points, uint32_t width, Derivatives derivatives,
                       std::span<double> results, std::span<SampleStatus> statuses);
 
 /// Control points -> control points and level-1 points: point_count() * width values.
-void build_patch_points(const PatchTableDouble& table, std::span<const double> control_points, uint32_t width,
-                        std::span<double> points);
+template <class Real>
+void build_patch_points(const BasicPatchTable<Real>& table, std::span<const double> control_points,
+                        uint32_t width, std::span<double> points);
 
 }  // namespace limn

@@ -1,5 +1,7 @@
 #include "limn/patch_points.h"
 
+#include <algorithm>
+
 namespace limn {
 namespace {
 
@@ -188,14 +190,71 @@ void fill_triangle(const Topology& t, uint32_t face, const Corner (&corners)[4],
     }
 }
 
+/// Smooth, closed, of this valence.
+bool is_plain_vertex(const Topology& t, uint32_t v, size_t valence) {
+    const uint32_t first = t.vertex_edge_offsets[v];
+    if (t.vertex_rules[v] != VertexRule::smooth || t.vertex_manifold[v] == 0) return false;
+    if (t.vertex_edge_offsets[v + 1] - first != valence || t.corners_of_vertex(v).size() != valence)
+        return false;
+    return own_size_around(t, v, valence == 6 ? 3 : 4) && t.find_dependent(v) == Topology::kNotDependent;
+}
+
 }  // namespace
+
+bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count) {
+    const bool triangles = t.options.scheme == Scheme::loop;
+    const uint32_t size = triangles ? 3 : 4, begin = t.face_begin(face);
+    if (t.size_of_face(face) != size) return false;
+    count = linear ? size : triangles ? 12 : 16;
+    if (linear) {
+        std::copy_n(t.face_vertices.begin() + begin, size, ring);
+        return true;
+    }
+    for (uint32_t k = 0; k < size; ++k)
+        if (!is_plain_vertex(t, t.face_vertices[begin + k], triangles ? 6 : 4)) return false;
+    // Corner k stands at `at`; one step of the walk around it leads from one of the face's edges to the
+    // other.
+    constexpr uint32_t quad_at[4] = {5, 6, 10, 9},
+                       quad_away[4][3] = {{4, 0, 1}, {2, 3, 7}, {11, 15, 14}, {13, 12, 8}};
+    constexpr uint32_t triangle_at[3] = {4, 5, 8},
+                       triangle_away[3][4] = {{7, 3, 0, 1}, {1, 2, 6, 9}, {9, 11, 10, 7}};
+    for (uint32_t k = 0; k < size; ++k) {
+        ring[triangles ? triangle_at[k] : quad_at[k]] = t.face_vertices[begin + k];
+        auto c = static_cast<uint32_t>(corner_after(t, begin + k));
+        if (triangles) {
+            // The last vertices of the faces that follow around the corner.
+            for (uint32_t i = 0; i < 4; ++i, c = static_cast<uint32_t>(corner_after(t, c)))
+                ring[triangle_away[k][i]] = t.face_vertices[t.previous_corner(c)];
+        } else {
+            c = static_cast<uint32_t>(corner_after(t, c));  // the face across the corner
+            const uint32_t first = t.face_begin(t.face_of_corner(c));
+            for (uint32_t i = 0; i < 3; ++i)
+                ring[quad_away[k][i]] = t.face_vertices[first + ((c - first + 1 + i) & 3)];
+        }
+    }
+    return true;
+}
+
+std::vector<uint32_t> faces_of_sector(const Topology& t, uint32_t c) {
+    std::vector<uint32_t> faces(1, t.face_of_corner(c));
+    const size_t most = t.corners_of_vertex(t.face_vertices[c]).size();
+    const auto start = static_cast<int>(c);
+    int at = corner_after(t, c);
+    for (; at != kNone && at != start && faces.size() < most; at = corner_after(t, static_cast<uint32_t>(at)))
+        faces.push_back(t.face_of_corner(static_cast<uint32_t>(at)));
+    if (at == start) return faces;
+    for (at = corner_before(t, c); at != kNone && faces.size() < most;
+         at = corner_before(t, static_cast<uint32_t>(at)))
+        faces.push_back(t.face_of_corner(static_cast<uint32_t>(at)));
+    return faces;
+}
 
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out) {
     const uint32_t size = t.options.scheme == Scheme::loop ? 3 : 4, begin = t.face_begin(face);
     if (t.size_of_face(face) != size) return false;
     out.crease_sharpness = 0;
     if (linear) {
-        out.kind = PlanNodeKind::bilinear;
+        out.kind = size == 3 ? PlanNodeKind::linear : PlanNodeKind::bilinear;
         out.count = size;
         for (uint32_t k = 0; k < size; ++k) out.points[k] = {{t.face_vertices[begin + k], 1}};
         return true;

@@ -25,4 +25,13 @@ struct PatchPoints {
 /// size is a bilinear patch. Loop triangles that are to be linear are box splines of a special net.
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
 
+/// The points of a regular face without anything sharp around it, in the order of its patch (as
+/// find_patch_points, but quicker); false for any other face. Any face of the scheme's own size is regular
+/// where `linear`.
+bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count);
+
+/// The faces around corner c's vertex that can be reached from c's without crossing an infinitely sharp edge,
+/// c's own first.
+std::vector<uint32_t> faces_of_sector(const Topology& t, uint32_t c);
+
 }  // namespace limn

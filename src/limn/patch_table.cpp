@@ -1,7 +1,9 @@
-// Surfaces are found and walked in parallel; plans are taken from the cache, or built, one after the other.
+// Surfaces are found and walked in parallel, in chunks that keep the rings they meet; few of them need a plan
+// that is not known yet.
 #include "limn/patch_table.h"
 
 #include <algorithm>
+#include <bit>
 #include <unordered_map>
 
 #include "limn/parallel.h"
@@ -14,30 +16,33 @@ namespace {
 
 /// A surface before it has a plan: a face of the base level or of level 1.
 struct Candidate {
-    uint32_t face, base_face, rotation, ring_size;
-    bool refined;
+    uint32_t face;
+    uint32_t rotation : 2, refined : 1, regular : 1, ring_size : 28;
+    uint32_t chunk_ring;  ///< where its ring begins in its chunk's
+    uint32_t plan;
     std::array<uint64_t, 2> hash;
 };
+
+constexpr size_t kChunk = 256;
 
 struct Builder {
     const Topology& base;
     const Topology& child;  ///< level 1; empty where every face is regular
     PlanOptions options;
     std::vector<Candidate> candidates;
+    std::vector<std::vector<uint32_t>> chunk_rings;  ///< vertices of the candidate's level
 
-    const Topology& level(const Candidate& c) const { return c.refined ? child : base; }
+    const Topology& level(const Candidate& c) const { return c.refined != 0 ? child : base; }
     void walk(const Candidate& c, Neighborhood& hood) const {
-        // Linear surfaces depend on their corners only.
-        if (options.linear) {
-            const Topology& t = level(c);
-            hood.ring.clear();
-            hood.map.clear();
-            hood.signature.clear();
-            hood.faces.assign(1, c.face);
-            for (const uint32_t v : t.vertices_of_face(c.face)) hood.signature.push_back(hood.local(v));
-            return;
-        }
         walk_around({level(c)}, c.face, {c.rotation, false}, hood);
+    }
+    /// body(candidate, its ring) in order of candidates.
+    template <class Body>
+    void for_each_ring(const Body& body) {
+        for (size_t i = 0; i < candidates.size(); ++i) {
+            Candidate& c = candidates[i];
+            body(c, std::span(chunk_rings[i / kChunk].data() + c.chunk_ring, c.ring_size));
+        }
     }
 };
 
@@ -46,8 +51,10 @@ std::vector<uint8_t> find_regular_faces(const Topology& base, bool linear) {
     for_each_index(
         base.face_count,
         [&](uint32_t f) {
+            uint32_t ring[16], count;
             PatchPoints patch;
-            regular[f] = base.face_holes[f] == 0 && find_patch_points(base, f, linear, patch);
+            regular[f] = base.face_holes[f] == 0 && (find_regular_ring(base, f, linear, ring, count) ||
+                                                     find_patch_points(base, f, linear, patch));
         },
         64);
     return regular;
@@ -59,19 +66,22 @@ Array<uint32_t> list_surfaces(const std::vector<uint8_t>& regular, Builder& b) {
     const bool triangles = base.options.scheme == Scheme::loop;
     const uint32_t own_size = triangles ? 3 : 4;
     std::vector<uint32_t> ptex;
+    auto add = [&](uint32_t face, bool refined) {
+        b.candidates.push_back({face, 0, refined, 0, 0, 0, 0, {}});
+    };
     for (uint32_t f = 0; f < base.face_count; ++f) {
         const uint32_t size = base.size_of_face(f), ptex_count = size == own_size ? 1 : size;
         const auto next = static_cast<uint32_t>(b.candidates.size());
         if (base.face_holes[f] != 0) {
-            ptex.insert(ptex.end(), ptex_count, kInvalidIndex);
+            ptex.insert(ptex.end(), ptex_count, shared::kPtexHole);
         } else if (regular[f] != 0) {
-            b.candidates.push_back({f, f, 0, 0, false, {}});
+            add(f, false);
             ptex.push_back(next);
         } else {
             const uint32_t first = triangles ? 4 * f : base.face_begin(f), count = triangles ? 4 : size;
-            for (uint32_t j = 0; j < count; ++j) b.candidates.push_back({first + j, f, 0, 0, true, {}});
+            for (uint32_t j = 0; j < count; ++j) add(first + j, true);
             if (ptex_count == 1)
-                ptex.push_back(next | kPtexSplit);
+                ptex.push_back(next | shared::kPtexSplit);
             else
                 for (uint32_t j = 0; j < size; ++j) ptex.push_back(next + j);
         }
@@ -82,63 +92,86 @@ Array<uint32_t> list_surfaces(const std::vector<uint8_t>& regular, Builder& b) {
     return out;
 }
 
-void hash_surfaces(Builder& b) {
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, b.candidates.size(), 64),
-                      [&](const tbb::blocked_range<size_t>& r) {
-                          Neighborhood hood;
-                          for (size_t i = r.begin(); i != r.end(); ++i) {
-                              Candidate& c = b.candidates[i];
-                              if (!b.options.linear) c.rotation = choose_plan_corner(b.level(c), c.face);
-                              b.walk(c, hood);
-                              c.hash = hash_signature(hood.signature);
-                              c.ring_size = static_cast<uint32_t>(hood.ring.size());
-                          }
-                      });
+/// Rings of all candidates, and hashes of what their plans depend on.
+void walk_surfaces(Builder& b) {
+    const size_t count = b.candidates.size(), chunks = (count + kChunk - 1) / kChunk;
+    b.chunk_rings.resize(chunks);
+    for_each_index(
+        static_cast<uint32_t>(chunks),
+        [&](uint32_t chunk) {
+            Neighborhood hood;
+            std::vector<uint32_t>& rings = b.chunk_rings[chunk];
+            rings.reserve(kChunk * 18);
+            for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
+                Candidate& c = b.candidates[i];
+                c.chunk_ring = static_cast<uint32_t>(rings.size());
+                uint32_t ring[16], ring_size;
+                if (find_regular_ring(b.level(c), c.face, b.options.linear, ring, ring_size)) {
+                    c.regular = 1;
+                    rings.insert(rings.end(), ring, ring + ring_size);
+                } else {
+                    c.rotation = choose_plan_corner(b.level(c), c.face) & 3;
+                    b.walk(c, hood);
+                    c.hash = hash_signature(hood.signature);
+                    ring_size = static_cast<uint32_t>(hood.ring.size());
+                    rings.insert(rings.end(), hood.ring.begin(), hood.ring.end());
+                }
+                c.ring_size = ring_size & 0xfffffff;
+            }
+        },
+        1);
 }
 
-/// The cache's plan of each surface.
-std::vector<uint32_t> find_plans(const Builder& b, PlanCache::Impl& cache) {
+/// The number of each candidate's plan in `plans`.
+void find_plans(Builder& b, PlanSet& plans) {
     struct Hash {
         size_t operator()(const std::array<uint64_t, 2>& h) const { return h[0]; }
     };
     std::unordered_map<std::array<uint64_t, 2>, uint32_t, Hash> found;
-    std::vector<uint32_t> plans;
     Neighborhood hood;
-    for (const Candidate& c : b.candidates) {
+    uint32_t regular = kInvalidIndex;
+    for (Candidate& c : b.candidates) {
+        if (c.regular != 0) {
+            if (regular == kInvalidIndex) {
+                PlanRequest request = request_regular_plan(b.base.options, b.options.linear);
+                const PlanKey key = request.key;
+                regular = plans.find_or_request(key, [&] { return std::move(request); });
+            }
+            c.plan = regular;
+            continue;
+        }
         const auto [at, is_new] = found.try_emplace(c.hash, 0);
         if (is_new) {
             b.walk(c, hood);
-            at->second = find_or_build_plan(b.level(c), hood, c.rotation, b.options, cache);
+            const PlanKey key = make_plan_key(b.level(c), hood, b.options);
+            at->second =
+                plans.find_or_request(key, [&] { return request_plan(b.level(c), hood, c.rotation, key); });
         }
-        plans.push_back(at->second);
+        c.plan = at->second;
     }
-    return plans;
 }
 
 /// Copies the plans that surfaces need, in the order in which they need them.
 template <class Real>
 struct PlanCopy {
-    const PlanCache::Impl& cache;
     BasicPatchTable<Real>& table;
-    std::unordered_map<uint32_t, uint32_t> numbers;
-    std::vector<uint32_t> order;
+    std::unordered_map<const BuiltPlan*, uint32_t> numbers = {};
+    std::vector<const BuiltPlan*> order = {};
 
-    uint32_t number(uint32_t id) {
-        const auto [at, is_new] = numbers.try_emplace(id, static_cast<uint32_t>(order.size()));
-        if (is_new) order.push_back(id);
+    uint32_t number(const BuiltPlan* plan) {
+        const auto [at, is_new] = numbers.try_emplace(plan, static_cast<uint32_t>(order.size()));
+        if (is_new) order.push_back(plan);
         return at->second;
     }
     Result<void> copy() {
         uint64_t weights = 0, nodes = 0, points = 0;
         for (size_t i = 0; i < order.size(); ++i) {
-            const BuiltPlan& plan = cache.plans[order[i]];
-            weights += plan.weights.size();
-            nodes += plan.nodes.size();
-            points += plan.points.size();
-            for (const PlanNode& node : plan.nodes)
-                if (node.kind == PlanNodeKind::plan) number(node.plan);
+            weights += order[i]->weights.size();
+            nodes += order[i]->nodes.size();
+            points += order[i]->points.size();
+            for (const BuiltPlan* reference : order[i]->references) number(reference);
         }
-        if (weights > kInvalidIndex || points > kInvalidIndex)
+        if (weights > kInvalidIndex || points > kInvalidIndex || order.size() >= shared::kMaxPlans)
             return Error{ErrorCode::too_large, "plans hold 2^32 weights or more"};
         table.plans.allocate(order.size());
         table.plan_weights.allocate(weights);
@@ -146,12 +179,16 @@ struct PlanCopy {
         table.plan_points.allocate(points);
         uint32_t weight = 0, node_at = 0, point = 0;
         for (size_t i = 0; i < order.size(); ++i) {
-            const BuiltPlan& plan = cache.plans[order[i]];
-            table.plans[i] = {plan.ring_size, plan.row_count, weight, node_at, point};
+            const BuiltPlan& plan = *order[i];
+            table.plans[i] = {plan.ring_size, plan.row_count, weight, node_at, point, plan.has_corner_rows};
             for (const double w : plan.weights) table.plan_weights[weight++] = static_cast<Real>(w);
-            for (PlanNode node : plan.nodes) {
-                if (node.kind == PlanNodeKind::plan) node.plan = numbers.at(node.plan);
-                table.plan_nodes[node_at++] = node;
+            for (const PlanNode& node : plan.nodes) {
+                PlanNode copied = node;
+                if (node.kind() == PlanNodeKind::plan)
+                    copied.word =
+                        shared::pack_node(static_cast<uint32_t>(PlanNodeKind::plan),
+                                          numbers.at(plan.references[node.plan()]), node.rotation());
+                table.plan_nodes[node_at++] = copied;
             }
             for (const uint32_t p : plan.points) table.plan_points[point++] = p;
         }
@@ -159,24 +196,86 @@ struct PlanCopy {
     }
 };
 
-/// Numbers the level-1 vertices that rings hold, in their order, and writes their rows.
+IndexList pack(const std::vector<uint32_t>& indices, uint32_t bound) {
+    IndexList list;
+    list.narrow = bound <= 0x10000;
+    if (!list.narrow) {
+        list.words.allocate(indices.size());
+        std::copy(indices.begin(), indices.end(), list.words.begin());
+        return list;
+    }
+    list.words.assign((indices.size() + 1) / 2, 0);
+    for (size_t i = 0; i < indices.size(); ++i) list.words[i / 2] |= indices[i] << (16 * (i & 1));
+    return list;
+}
+
+/// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of.
 template <class Real>
-Result<void> build_points(const Builder& b, const Refinement& source, std::vector<uint32_t>& point_of_child,
-                          BasicPatchTable<Real>& table) {
-    Array<uint32_t> offsets;
-    std::vector<uint32_t> indices;
-    std::vector<Real> weights;
-    std::vector<uint32_t> sizes;
-    Row row;
-    const Interpolation rules = b.options.linear ? Interpolation::varying : Interpolation::vertex;
-    for (uint32_t v = 0; v < point_of_child.size(); ++v) {
-        if (point_of_child[v] == kInvalidIndex) continue;
-        point_of_child[v] = table.control_count + static_cast<uint32_t>(sizes.size());
-        row.clear();
-        refinement_row(b.base, v, rules, row);
+class PointBuilder {
+  public:
+    PointBuilder(const Builder& b, const Refinement& source, BasicPatchTable<Real>& table)
+        : b_(b), source_(source), table_(table) {}
+
+    /// point_of_child[v] is not kInvalidIndex where v is needed, and receives its point.
+    void build(std::vector<uint32_t>& point_of_child) {
+        std::vector<uint32_t> needed;
+        for (uint32_t v = 0; v < point_of_child.size(); ++v)
+            if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
+        make_rows(needed);
+        group_rows();
+        std::vector<uint32_t> cursor, indices(indices_.size());
+        for (const PointRun& run : runs_) cursor.push_back(run.first_point);
+        for (size_t i = 0; i < needed.size(); ++i) {
+            const PointRun& run = runs_[patterns_[i]];
+            const uint32_t point = cursor[patterns_[i]]++;
+            point_of_child[needed[i]] = point;
+            std::copy_n(indices_.begin() + static_cast<ptrdiff_t>(offsets_[i]), run.entry_count,
+                        indices.begin() + run.first_index +
+                            static_cast<ptrdiff_t>(point - run.first_point) * run.entry_count);
+        }
+        table_.refined_count = static_cast<uint32_t>(needed.size());
+        table_.point_indices = pack(indices, table_.control_count);
+        table_.point_runs.allocate(runs_.size());
+        std::copy(runs_.begin(), runs_.end(), table_.point_runs.begin());
+        table_.point_weights.allocate(run_weights_.size());
+        std::copy(run_weights_.begin(), run_weights_.end(), table_.point_weights.begin());
+    }
+
+  private:
+    void make_rows(const std::vector<uint32_t>& needed) {
+        const Interpolation rules = b_.options.linear ? Interpolation::varying : Interpolation::vertex;
+        constexpr size_t kRowChunk = 512;
+        struct Chunk {
+            std::vector<uint32_t> sizes, indices;
+            std::vector<Real> weights;
+        };
+        std::vector<Chunk> chunks((needed.size() + kRowChunk - 1) / kRowChunk);
+        for_each_index(
+            static_cast<uint32_t>(chunks.size()),
+            [&](uint32_t n) {
+                Chunk& chunk = chunks[n];
+                Row row;
+                for (size_t i = n * kRowChunk; i < std::min(needed.size(), (n + 1) * kRowChunk); ++i) {
+                    row.clear();
+                    refinement_row(b_.base, needed[i], rules, row);
+                    chunk.sizes.push_back(append(row, chunk.indices, chunk.weights));
+                }
+            },
+            1);
+        offsets_.push_back(0);
+        for (const Chunk& chunk : chunks) {
+            for (const uint32_t size : chunk.sizes) offsets_.push_back(offsets_.back() + size);
+            indices_.insert(indices_.end(), chunk.indices.begin(), chunk.indices.end());
+            weights_.insert(weights_.end(), chunk.weights.begin(), chunk.weights.end());
+        }
+    }
+
+    /// Adds up what a row says of the same control point.
+    uint32_t append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
         const size_t begin = indices.size();
         for (const RowEntry& e : row) {
-            const uint32_t index = source.control_indices.empty() ? e.index : source.control_indices[e.index];
+            const uint32_t index =
+                source_.control_indices.empty() ? e.index : source_.control_indices[e.index];
             size_t at = begin;
             while (at < indices.size() && indices[at] != index) ++at;
             if (at == indices.size()) {
@@ -185,19 +284,75 @@ Result<void> build_points(const Builder& b, const Refinement& source, std::vecto
             }
             weights[at] += static_cast<Real>(e.weight);
         }
-        sizes.push_back(static_cast<uint32_t>(indices.size() - begin));
+        return static_cast<uint32_t>(indices.size() - begin);
     }
-    if (indices.size() > kInvalidIndex) return Error{ErrorCode::too_large, "2^32 stencil entries or more"};
-    BasicStencilTable<Real>& stencils = table.stencils;
-    stencils.source_count = table.control_count;
-    Array<uint32_t> counts;
-    counts.allocate(sizes.size());
-    std::copy(sizes.begin(), sizes.end(), counts.begin());
-    stencils.offsets = offsets_from_counts(counts);
-    stencils.indices.allocate(indices.size());
-    stencils.weights.allocate(weights.size());
-    std::copy(indices.begin(), indices.end(), stencils.indices.begin());
-    std::copy(weights.begin(), weights.end(), stencils.weights.begin());
+
+    void group_rows() {
+        std::unordered_multimap<uint64_t, uint32_t> runs_by_hash;
+        for (size_t i = 0; i + 1 < offsets_.size(); ++i) {
+            const Real* weights = weights_.data() + offsets_[i];
+            const auto count = static_cast<uint32_t>(offsets_[i + 1] - offsets_[i]);
+            uint64_t hash = count;
+            for (uint32_t k = 0; k < count; ++k) {
+                const auto w = static_cast<double>(weights[k]);
+                hash = (hash ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+            }
+            const auto [begin, end] = runs_by_hash.equal_range(hash);
+            auto at = std::find_if(begin, end, [&](const auto& entry) {
+                const PointRun& run = runs_[entry.second];
+                return run.entry_count == count &&
+                       std::equal(weights, weights + count, run_weights_.begin() + run.first_weight);
+            });
+            if (at == end) {
+                at = runs_by_hash.emplace(hash, static_cast<uint32_t>(runs_.size()));
+                runs_.push_back({0, 0, count, 0, static_cast<uint32_t>(run_weights_.size())});
+                run_weights_.insert(run_weights_.end(), weights, weights + count);
+            }
+            ++runs_[at->second].row_count;
+            patterns_.push_back(at->second);
+        }
+        uint32_t point = table_.control_count, index = 0;
+        for (PointRun& run : runs_) {
+            run.first_point = point;
+            run.first_index = index;
+            point += run.row_count;
+            index += run.row_count * run.entry_count;
+        }
+    }
+
+    const Builder& b_;
+    const Refinement& source_;
+    BasicPatchTable<Real>& table_;
+    std::vector<size_t> offsets_;
+    std::vector<uint32_t> indices_, patterns_;
+    std::vector<Real> weights_, run_weights_;
+    std::vector<PointRun> runs_;
+};
+
+template <class Real>
+Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<Real>& table) {
+    uint64_t ring_count = 0, children = 0;
+    std::vector<uint32_t> point_of_child(b.child.vertex_count, kInvalidIndex);
+    b.for_each_ring([&](const Candidate& c, std::span<const uint32_t> ring) {
+        ring_count += ring.size();
+        if (c.refined == 0) return;
+        for (const uint32_t v : ring) {
+            children += point_of_child[v] != 0;
+            point_of_child[v] = 0;
+        }
+    });
+    if (ring_count > kInvalidIndex || children + table.control_count > kInvalidIndex)
+        return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
+    PointBuilder<Real>(b, source, table).build(point_of_child);
+    std::vector<uint32_t> points;
+    points.reserve(ring_count);
+    b.for_each_ring([&](const Candidate& c, std::span<const uint32_t> ring) {
+        for (const uint32_t v : ring)
+            points.push_back(c.refined != 0                    ? point_of_child[v]
+                             : !source.control_indices.empty() ? source.control_indices[v]
+                                                               : v);
+    });
+    table.ring_points = pack(points, table.point_count());
     return {};
 }
 
@@ -216,51 +371,24 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
     const std::vector<uint8_t> regular = find_regular_faces(base, linear);
     Topology child;
     if (std::find(regular.begin(), regular.end(), 0) != regular.end()) child = refine_once(base, true);
-    Builder b{base, child, {linear, options.plan_depth}, {}};
+    Builder b{base, child, {linear, options.plan_depth}, {}, {}};
     table.ptex_surfaces = list_surfaces(regular, b);
-    hash_surfaces(b);
+    walk_surfaces(b);
 
     const PlanCache own;
-    PlanCache::Impl& cache = (shared != nullptr ? *shared : own).impl();
-    const std::lock_guard lock(cache.mutex);
-    const std::vector<uint32_t> plans = find_plans(b, cache);
-    PlanCopy<Real> copy{cache, table, {}, {}};
-    table.surfaces.allocate(plans.size());
-    uint64_t ring = 0;
-    for (size_t i = 0; i < plans.size(); ++i) {
+    PlanSet plans(b.options, (shared != nullptr ? *shared : own).impl());
+    find_plans(b, plans);
+    if (auto ok = plans.build(); !ok) return ok.error();
+    PlanCopy<Real> copy{table};
+    table.surfaces.allocate(b.candidates.size());
+    uint32_t ring = 0;
+    for (size_t i = 0; i < b.candidates.size(); ++i) {
         const Candidate& c = b.candidates[i];
-        table.surfaces[i] = {copy.number(plans[i]), static_cast<uint32_t>(ring), c.base_face, c.rotation};
+        table.surfaces[i] = {shared::pack_surface(copy.number(plans.plan(c.plan)), c.rotation), ring};
         ring += c.ring_size;
-        if (ring > kInvalidIndex) return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
     }
     if (auto ok = copy.copy(); !ok) return ok.error();
-
-    table.ring_points.allocate(ring);
-    std::vector<uint32_t> point_of_child(child.vertex_count, kInvalidIndex);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, plans.size(), 64),
-                      [&](const tbb::blocked_range<size_t>& r) {
-                          Neighborhood hood;
-                          for (size_t i = r.begin(); i != r.end(); ++i) {
-                              b.walk(b.candidates[i], hood);
-                              std::copy(hood.ring.begin(), hood.ring.end(),
-                                        table.ring_points.begin() + table.surfaces[i].first_ring);
-                          }
-                      });
-    auto each_ring_point = [&](auto&& body) {
-        for (size_t i = 0; i < plans.size(); ++i)
-            for (uint32_t j = 0; j < b.candidates[i].ring_size; ++j)
-                body(b.candidates[i].refined, table.ring_points[table.surfaces[i].first_ring + j]);
-    };
-    each_ring_point([&](bool refined, uint32_t& v) {
-        if (refined) point_of_child[v] = 0;
-    });
-    if (auto ok = build_points(b, source, point_of_child, table); !ok) return ok.error();
-    each_ring_point([&](bool refined, uint32_t& v) {
-        if (refined)
-            v = point_of_child[v];
-        else if (!source.control_indices.empty())
-            v = source.control_indices[v];
-    });
+    if (auto ok = write_rings(b, source, table); !ok) return ok.error();
     return table;
 }
 
@@ -286,6 +414,30 @@ Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& 
     return build<Real>(*refinement, options, cache);
 }
 
+template <class Real>
+BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
+    BasicStencilTable<Real> out;
+    out.source_count = table.control_count;
+    Array<uint32_t> counts;
+    counts.allocate(table.refined_count);
+    uint64_t entries = 0;
+    for (const PointRun& run : table.point_runs) {
+        std::fill_n(counts.begin() + (run.first_point - table.control_count), run.row_count, run.entry_count);
+        entries += uint64_t{run.row_count} * run.entry_count;
+    }
+    out.offsets = offsets_from_counts(counts);
+    out.indices.allocate(entries);
+    out.weights.allocate(entries);
+    size_t at = 0;
+    for (const PointRun& run : table.point_runs)
+        for (uint32_t i = 0; i < run.row_count; ++i)
+            for (uint32_t k = 0; k < run.entry_count; ++k, ++at) {
+                out.indices[at] = table.point_indices[run.first_index + size_t{i} * run.entry_count + k];
+                out.weights[at] = table.point_weights[run.first_weight + k];
+            }
+    return out;
+}
+
 template Result<PatchTable> build_patch_table<float>(const ControlMesh&, const PatchTableOptions&,
                                                      const PlanCache*);
 template Result<PatchTableDouble> build_patch_table<double>(const ControlMesh&, const PatchTableOptions&,
@@ -295,5 +447,7 @@ template Result<PatchTable> build_face_varying_patch_table<float>(const ControlM
 template Result<PatchTableDouble> build_face_varying_patch_table<double>(const ControlMesh&, uint32_t,
                                                                          const PatchTableOptions&,
                                                                          const PlanCache*);
+template StencilTable build_point_table<float>(const PatchTable&);
+template StencilTableDouble build_point_table<double>(const PatchTableDouble&);
 
 }  // namespace limn

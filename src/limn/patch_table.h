@@ -11,6 +11,7 @@
 
 #include "limn/array.h"
 #include "limn/control_mesh.h"
+#include "limn/shared/patch_table_layout.h"
 #include "limn/stencil_table.h"
 
 namespace limn {
@@ -20,77 +21,110 @@ namespace limn {
 enum class PlanNodeKind : uint32_t {
     /// Four nodes from `first`, in the order of a face's children: quads at (0,0), (1,0), (1,1), (0,1); of
     /// triangles three at the corners and, turned by 180 degrees, the centre.
-    split,
+    split = shared::kNodeSplit,
     /// Two nodes from `first`: the lower and the upper half in u or in v. Along a semi-sharp crease the
     /// surface needs no other splits (single-crease patches, Niessner et al. 2012).
-    split_u,
-    split_v,
+    split_u = shared::kNodeSplitU,
+    split_v = shared::kNodeSplitV,
     /// `first` begins 16 entries of plan_points in row-major order, v rows of u columns: uniform bicubic
     /// B-spline.
-    bicubic,
-    /// 12 entries: quartic box spline, see kBoxSplineGrid in patch_basis.h.
-    box_spline,
-    /// 4 entries, corners counter-clockwise.
-    bilinear,
-    /// `first` begins the ring of another plan, `plan`, whose coordinates are turned by `rotation` corners.
+    bicubic = shared::kNodeBicubic,
+    /// 12 entries: quartic box spline, see limn/shared/patch_basis.h.
+    box_spline = shared::kNodeBoxSpline,
+    /// 4 entries, or 3 of a triangle: corners counter-clockwise.
+    bilinear = shared::kNodeBilinear,
+    linear = shared::kNodeLinear,
+    /// `first` begins the ring of another plan, `plan`, whose corner 0 is corner `rotation` of this node.
     /// Around an extraordinary vertex plans refer to themselves: the surface is exact at every depth.
-    plan,
+    plan = shared::kNodePlan,
 };
 
 struct PlanNode {
-    PlanNodeKind kind;
+    uint32_t word;  ///< shared::pack_node
     uint32_t first;
-    uint32_t plan;      ///< of PlanNodeKind::plan
-    uint32_t rotation;  ///< of PlanNodeKind::plan
+
+    PlanNodeKind kind() const { return static_cast<PlanNodeKind>(shared::node_kind(word)); }
+    uint32_t plan() const { return shared::node_plan(word); }
+    uint32_t rotation() const { return shared::node_rotation(word); }
 };
 
 /// Rows of a plan are dense: row r weighs ring point j by
-/// plan_weights[first_weight + r * ring_size + j]. Rows sum to one. Node n is
-/// plan_nodes[first_node + n], its points are plan_points[first_point + node.first + k], row numbers.
-/// Node 0 is the root. Rows 0 .. corners - 1 are the limits of the surface's corners where the root is split
-/// (right where no sharpness is left to fade).
+/// plan_weights[first_weight + r * shared::plan_row_stride(ring_size) + j]; what fills up a stride is zero.
+/// Rows sum to one, tangents to zero. Node n is plan_nodes[first_node + n], its points are row numbers,
+/// plan_points[first_point + node.first + k]. Node 0 is the root.
 struct Plan {
     uint32_t ring_size;
     uint32_t row_count;
-    uint32_t first_weight;
+    uint32_t first_weight;  ///< a multiple of 4
     uint32_t first_node;
     uint32_t first_point;
+    /// 1: rows kCornerLimitRow and kCornerTangentRow and the next are the limit of corner 0 and two tangents
+    /// there, whose cross product points along the normal (limit_tangent_masks in scheme.h; at a crease, on
+    /// the plan's own side). Only plans that split, and have no finite sharpness left, have them.
+    uint32_t has_corner_rows;
 };
 
 struct Surface {
-    uint32_t plan;
-    uint32_t first_ring;  ///< ring point j of the surface is point ring_points[first_ring + j]
-    uint32_t base_face;
-    uint32_t rotation;  ///< the plan's corner 0 is this corner of the surface
+    uint32_t word;        ///< shared::pack_surface
+    uint32_t first_ring;  ///< ring point j of the surface is entry first_ring + j of ring_points
+
+    uint32_t plan() const { return shared::surface_plan(word); }
+    uint32_t rotation() const { return shared::surface_rotation(word); }  ///< the corner that is the plan's 0
 };
 
-/// Points are the control points [0, control_count) and, after them, the rows of `stencils` over the control
-/// points: vertices of level 1, those that surfaces need.
+/// Indices of points: 32 bits each or, where all fit, 16, two in a word.
+struct IndexList {
+    Array<uint32_t> words;
+    bool narrow = false;
+
+    uint32_t operator[](size_t i) const {
+        return narrow ? shared::narrow_index(words[i / 2], static_cast<uint32_t>(i & 1)) : words[i];
+    }
+};
+
+/// Level-1 points whose rows have equal weights: row i < row_count makes point first_point + i of
+/// entry_count points, sum over k of point_weights[first_weight + k] *
+/// control[point_indices[first_index + i * entry_count + k]].
+struct PointRun {
+    uint32_t first_point;
+    uint32_t row_count;
+    uint32_t entry_count;
+    uint32_t first_index;
+    uint32_t first_weight;
+};
+
+/// Points are the control points [0, control_count) and, after them, the vertices of level 1 that surfaces
+/// need: point_runs, whose points follow each other, say what they are made of.
 template <class Real>
 struct BasicPatchTable {
     SchemeOptions options;
     uint32_t control_count = 0;
-    BasicStencilTable<Real> stencils;
+    uint32_t refined_count = 0;
+    Array<PointRun> point_runs;
+    IndexList point_indices;
+    Array<Real> point_weights;
     Array<Surface> surfaces;
-    Array<uint32_t> ring_points;
+    IndexList ring_points;
     Array<Plan> plans;
     Array<PlanNode> plan_nodes;
     Array<uint32_t> plan_points;
     Array<Real> plan_weights;
-    /// One per ptex face: its surface, or the first of four with kPtexSplit, or kInvalidIndex in a hole.
-    /// A face of the scheme's own size is one ptex face, any other is one per corner.
+    /// One per ptex face: its surface, or the first of four with shared::kPtexSplit, or shared::kPtexHole
+    /// where there is no surface. A face of the scheme's own size is one ptex face, any other is one per
+    /// corner.
     Array<uint32_t> ptex_surfaces;
 
-    uint32_t point_count() const { return control_count + stencils.row_count(); }
+    uint32_t point_count() const { return control_count + refined_count; }
+    uint64_t plan_bytes() const {
+        return plans.bytes() + plan_nodes.bytes() + plan_points.bytes() + plan_weights.bytes();
+    }
     uint64_t bytes() const {
-        return stencils.bytes() + surfaces.bytes() + ring_points.bytes() + plans.bytes() +
-               plan_nodes.bytes() + plan_points.bytes() + plan_weights.bytes() + ptex_surfaces.bytes();
+        return point_runs.bytes() + point_indices.words.bytes() + point_weights.bytes() + surfaces.bytes() +
+               ring_points.words.bytes() + plan_bytes() + ptex_surfaces.bytes();
     }
 };
 using PatchTable = BasicPatchTable<float>;
 using PatchTableDouble = BasicPatchTable<double>;
-
-inline constexpr uint32_t kPtexSplit = 0x80000000u;
 
 struct PatchTableOptions {
     Interpolation interpolation = Interpolation::vertex;
@@ -100,7 +134,7 @@ struct PatchTableOptions {
 };
 
 /// Plans already built, for any number of meshes and threads; each build takes what it needs from it and adds
-/// what is new.
+/// what is new. A plan takes about 100 bytes of it for each point of its ring and level of its tree.
 class PlanCache {
   public:
     PlanCache();
@@ -118,16 +152,24 @@ class PlanCache {
 };
 
 /// The limit surface of the mesh for vertex or varying data. `cache` may be null. The result does not depend
-/// on what the cache holds. Errors: invalid_argument (plan_depth); too_large past 2^31 - 1 corners or rings.
+/// on what the cache holds, nor on the number of cores. Errors: invalid_argument (plan_depth); too_large past
+/// 2^31 - 1 corners, 2^32 ring points or 2^26 plans; unsupported where more than kMaxRingSize points lie
+/// around one face after the split (a vertex of valence 2,000 or more).
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache = nullptr);
 
-/// The limit of one face-varying channel: the same surfaces' faces, in the channel's values.
+/// The limit of one face-varying channel: the same faces, in the channel's values.
 /// Errors: and unsupported with Chaikin creasing, whose rules look beyond seams.
 template <class Real>
 Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& mesh, uint32_t channel,
                                                              const PatchTableOptions& options,
                                                              const PlanCache* cache = nullptr);
+
+inline constexpr uint32_t kMaxRingSize = 4096;
+
+/// The level-1 points as an ordinary stencil table: row r is point control_count + r.
+template <class Real>
+BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table);
 
 }  // namespace limn

@@ -1,144 +1,301 @@
 #include "limn/plan.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <optional>
 
 #include "limn/local_refinement.h"
+#include "limn/parallel.h"
 #include "limn/patch_points.h"
 #include "limn/topology_build.h"
 
 namespace limn {
 namespace {
 
-/// Dense rows over the plan's ring, one per vertex of a topology.
-using Rows = std::vector<double>;
+/// A plan that a new one refers to, and how to build it unless it is known.
+struct PlanReference {
+    PlanKey key;
+    std::optional<PlanRequest> request;
+};
+
+struct NewPlan {
+    std::unique_ptr<BuiltPlan> plan = std::make_unique<BuiltPlan>();
+    std::vector<PlanReference> references;
+};
+
+using KnownPlans = std::unordered_map<PlanKey, uint32_t, PlanKeyHash>;
+
+/// Dense rows over the plan's ring for the vertices of a topology.
+struct VertexRows {
+    size_t width;
+    std::vector<double> values;
+
+    double* row(uint32_t v) { return values.data() + v * width; }
+    const double* row(uint32_t v) const { return values.data() + v * width; }
+    void add(const Row& row, double* sum) const {
+        for (const RowEntry& e : row) {
+            const double* from = values.data() + e.index * width;
+            for (size_t j = 0; j < width; ++j) sum[j] += e.weight * from[j];
+        }
+    }
+};
+
+/// The rows of the level after `parent`, made where they are asked for.
+struct ChildRows {
+    const Topology& parent;
+    const VertexRows& parent_rows;
+    VertexRows rows;
+    std::vector<uint8_t> made;
+    Row scratch;
+
+    ChildRows(const Topology& t, const VertexRows& r, uint32_t count)
+        : parent(t),
+          parent_rows(r),
+          rows{r.width, std::vector<double>(count * r.width, 0.0)},
+          made(count, 0) {}
+    const double* row(uint32_t v) {
+        if (made[v] == 0) {
+            made[v] = 1;
+            scratch.clear();
+            refinement_row(parent, v, Interpolation::vertex, scratch);
+            parent_rows.add(scratch, rows.row(v));
+        }
+        return rows.row(v);
+    }
+    void make(const Row& needed) {
+        for (const RowEntry& e : needed) row(e.index);
+    }
+};
 
 struct PlanWriter {
     const PlanOptions& options;
-    PlanCache::Impl& cache;
+    const KnownPlans& known;
+    NewPlan& out;
     BuiltPlan& plan;
-    std::map<std::vector<double>, uint32_t> known;  ///< rows already written
+    std::unordered_multimap<uint64_t, uint32_t> rows_by_hash = {};
 
     size_t width() const { return plan.ring_size; }
+    size_t stride() const { return shared::plan_row_stride(plan.ring_size); }
 
-    uint32_t write_row(const std::vector<double>& row) {
-        const auto [at, is_new] = known.try_emplace(row, plan.row_count);
-        if (is_new) {
-            plan.weights.insert(plan.weights.end(), row.begin(), row.end());
-            ++plan.row_count;
+    uint32_t append_row(const std::vector<double>& row) {
+        plan.weights.insert(plan.weights.end(), row.begin(), row.end());
+        plan.weights.resize(++plan.row_count * stride(), 0.0);
+        return plan.row_count - 1;
+    }
+    uint32_t write_row(std::vector<double>& row) {
+        uint64_t hash = 0;
+        for (double& w : row) {
+            w += 0.0;  // no negative zeros
+            uint64_t bits;
+            std::memcpy(&bits, &w, sizeof bits);
+            hash = (hash ^ bits) * 0x9e3779b97f4a7c15 ^ hash >> 29;
         }
-        return at->second;
+        const auto [begin, end] = rows_by_hash.equal_range(hash);
+        for (auto at = begin; at != end; ++at)
+            if (std::equal(row.begin(), row.end(),
+                           plan.weights.begin() + static_cast<ptrdiff_t>(at->second * stride())))
+                return at->second;
+        const uint32_t number = append_row(row);
+        rows_by_hash.emplace(hash, number);
+        return number;
     }
 
-    std::vector<double> combine(const Row& row, const Rows& rows) const {
-        std::vector<double> sum(width(), 0.0);
-        for (const RowEntry& e : row)
-            for (size_t j = 0; j < width(); ++j) sum[j] += e.weight * rows[e.index * width() + j];
-        return sum;
-    }
-
-    void write_limits(const Topology& t, const Rows& rows) {
-        Row row;
-        std::vector<TangentWeights> tangents;
-        const auto vertices = t.vertices_of_face(0);
-        for (const uint32_t v : vertices) {
-            row.clear();
-            tangents.clear();
-            limit_row(t, v, row, tangents);
-            const std::vector<double> limit = combine(row, rows);
-            // Not write_row: limits are told by their place, also where two are equal.
-            plan.weights.insert(plan.weights.end(), limit.begin(), limit.end());
-            ++plan.row_count;
-        }
-    }
+    void write_corner_rows(const Topology& t, const VertexRows& rows);
 
     using Net = std::vector<std::vector<double>>;
 
-    void write_patch(uint32_t node, PlanNodeKind kind, const Net& net) {
-        plan.nodes[node] = {kind, static_cast<uint32_t>(plan.points.size()), 0, 0};
-        for (const auto& row : net) plan.points.push_back(write_row(row));
+    template <class Rows>
+    Net make_net(const PatchPoints& patch, Rows& rows) const {
+        Net net(patch.count, std::vector<double>(width(), 0.0));
+        for (uint32_t k = 0; k < patch.count; ++k)
+            for (const RowEntry& e : patch.points[k]) {
+                const double* from = rows.row(e.index);
+                for (size_t j = 0; j < width(); ++j) net[k][j] += e.weight * from[j];
+            }
+        return net;
     }
-
+    void write_patch(uint32_t node, PlanNodeKind kind, Net& net) {
+        plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0),
+                            static_cast<uint32_t>(plan.points.size())};
+        for (auto& row : net) plan.points.push_back(write_row(row));
+    }
     uint32_t add_nodes(uint32_t count) {
         const auto first = static_cast<uint32_t>(plan.nodes.size());
         plan.nodes.resize(plan.nodes.size() + count);
         return first;
     }
 
-    /// Lines 0 .. 3 run along the crease, which is line 1. Each step leaves one patch beyond the crease.
-    void write_crease(uint32_t node, const PatchPoints& patch, Net net) {
-        const bool across_v = patch.crease_edge % 2 == 0;
-        const bool at_end = patch.crease_edge == 1 || patch.crease_edge == 2;
-        auto entry = [&](size_t line, size_t along) {
-            const size_t at = at_end ? 3 - line : line;
-            return across_v ? 4 * at + along : 4 * along + at;
-        };
-        float sharpness = patch.crease_sharpness;
-        while (sharpness > 0) {
-            const double sharp = std::min(sharpness, 1.0f);
-            Net near = net, beyond = net;
-            for (size_t along = 0; along < 4; ++along) {
-                for (size_t j = 0; j < width(); ++j) {
-                    double p[4];
-                    for (size_t line = 0; line < 4; ++line) p[line] = net[entry(line, along)][j];
-                    const double smooth = (p[0] + 6 * p[1] + p[2]) / 8;
-                    const double child[5] = {(p[0] + p[1]) / 2, sharp * p[1] + (1 - sharp) * smooth,
-                                             (p[1] + p[2]) / 2, (p[1] + 6 * p[2] + p[3]) / 8,
-                                             (p[2] + p[3]) / 2};
-                    for (size_t line = 0; line < 4; ++line) {
-                        near[entry(line, along)][j] = child[line];
-                        beyond[entry(line, along)][j] = child[line + 1];
-                    }
+    void write_crease(uint32_t node, const PatchPoints& patch, Net net);
+    template <class Rows>
+    void write_leaf(uint32_t node, const PatchPoints& patch, Rows& rows) {
+        Net net = make_net(patch, rows);
+        if (patch.crease_sharpness > 0) return write_crease(node, patch, std::move(net));
+        write_patch(node, patch.kind, net);
+    }
+    void write_reference(uint32_t node, const Topology& t, uint32_t face, ChildRows& rows);
+    void split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth);
+    void write_root(const Topology& t, const VertexRows& rows);
+};
+
+/// The sector around the first corner of face 0: what lies beyond infinitely sharp edges does not matter to
+/// the surface there. Its star begins at the same place in every mesh.
+Topology cut_sector(const Topology& t, std::vector<uint32_t>& vertices) {
+    Topology cut = extract_faces(t, faces_of_sector(t, t.face_begin(0)), vertices);
+    const uint32_t v = cut.face_vertices[0];
+    std::fill(cut.vertex_manifold.begin(), cut.vertex_manifold.end(), uint8_t{0});
+    cut.vertex_manifold[v] = 1;
+    std::sort(cut.vertex_corners.begin() + cut.vertex_corner_offsets[v],
+              cut.vertex_corners.begin() + cut.vertex_corner_offsets[v + 1]);
+    order_stars(cut);
+    return cut;
+}
+
+/// Turns the tangents of a smooth vertex so that they go along its face's edges.
+void align_tangents(const Topology& t, uint32_t v, uint32_t corner, std::vector<TangentWeights>& tangents) {
+    const auto corners = t.corners_of_vertex(v);
+    const size_t n = corners.size();
+    if (t.vertex_rules[v] != VertexRule::smooth || n < 3 || t.options.opensubdiv_compatible) return;
+    const auto at = static_cast<double>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    const double theta = 2 * std::numbers::pi / static_cast<double>(n);
+    for (TangentWeights& w : tangents) {
+        const double x = w.tangent1, y = w.tangent2;
+        w.tangent1 = std::cos(at * theta) * x + std::sin(at * theta) * y;
+        w.tangent2 = std::cos((at + 1) * theta) * x + std::sin((at + 1) * theta) * y;
+    }
+}
+
+void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
+    std::vector<uint32_t> vertices;
+    const Topology star = cut_sector(t, vertices);
+    const uint32_t v = star.face_vertices[0];
+    Row row;
+    std::vector<TangentWeights> tangents;
+    limit_row(star, v, row, tangents);
+    align_tangents(star, v, 0, tangents);
+    std::vector<double> sums[3];
+    for (auto& sum : sums) sum.assign(width(), 0.0);
+    for (size_t i = 0; i < row.size(); ++i) {
+        const double* from = rows.row(vertices[row[i].index]);
+        const double weights[3] = {row[i].weight, tangents[i].tangent1, tangents[i].tangent2};
+        for (size_t k = 0; k < 3; ++k)
+            for (size_t j = 0; j < width(); ++j) sums[k][j] += weights[k] * from[j];
+    }
+    // Told by their place, also where two rows are equal.
+    for (const auto& sum : sums) append_row(sum);
+    plan.has_corner_rows = true;
+}
+
+/// Lines 0 .. 3 run along the crease, which is line 1. Each step leaves one patch beyond the crease.
+void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, Net net) {
+    const bool across_v = patch.crease_edge % 2 == 0;
+    const bool at_end = patch.crease_edge == 1 || patch.crease_edge == 2;
+    auto entry = [&](size_t line, size_t along) {
+        const size_t at = at_end ? 3 - line : line;
+        return across_v ? 4 * at + along : 4 * along + at;
+    };
+    const PlanNodeKind kind = across_v ? PlanNodeKind::split_v : PlanNodeKind::split_u;
+    float sharpness = patch.crease_sharpness;
+    while (sharpness > 0) {
+        const double sharp = std::min(sharpness, 1.0f);
+        Net near = net, beyond = net;
+        for (size_t along = 0; along < 4; ++along) {
+            for (size_t j = 0; j < width(); ++j) {
+                double p[4];
+                for (size_t line = 0; line < 4; ++line) p[line] = net[entry(line, along)][j];
+                const double smooth = (p[0] + 6 * p[1] + p[2]) / 8;
+                const double child[5] = {(p[0] + p[1]) / 2, sharp * p[1] + (1 - sharp) * smooth,
+                                         (p[1] + p[2]) / 2, (p[1] + 6 * p[2] + p[3]) / 8, (p[2] + p[3]) / 2};
+                for (size_t line = 0; line < 4; ++line) {
+                    near[entry(line, along)][j] = child[line];
+                    beyond[entry(line, along)][j] = child[line + 1];
                 }
             }
-            const uint32_t first = add_nodes(2);
-            plan.nodes[node] = {across_v ? PlanNodeKind::split_v : PlanNodeKind::split_u, first, 0, 0};
-            write_patch(at_end ? first : first + 1, PlanNodeKind::bicubic, beyond);
-            node = at_end ? first + 1 : first;
-            net = std::move(near);
-            sharpness = child_sharpness(sharpness);
         }
-        write_patch(node, PlanNodeKind::bicubic, net);
+        const uint32_t first = add_nodes(2);
+        plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0), first};
+        write_patch(at_end ? first : first + 1, PlanNodeKind::bicubic, beyond);
+        node = at_end ? first + 1 : first;
+        net = std::move(near);
+        sharpness = child_sharpness(sharpness);
     }
+    write_patch(node, PlanNodeKind::bicubic, net);
+}
 
-    void write_reference(uint32_t node, const Topology& t, const Rows& rows) {
-        Neighborhood hood;
-        const uint32_t corner = choose_plan_corner(t, 0);
-        walk_around({t}, 0, {corner, false}, hood);
-        const auto first = static_cast<uint32_t>(plan.points.size());
-        for (const uint32_t v : hood.ring) plan.points.push_back(write_row(combine({{v, 1}}, rows)));
-        const uint32_t id = find_or_build_plan(t, hood, corner, options, cache);
-        plan.nodes[node] = {PlanNodeKind::plan, first, id, corner};
+void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face, ChildRows& rows) {
+    Neighborhood hood;
+    const uint32_t corner = choose_plan_corner(t, face);
+    walk_around({t}, face, {corner, false}, hood);
+    const auto first = static_cast<uint32_t>(plan.points.size());
+    std::vector<double> row;
+    for (const uint32_t v : hood.ring) {
+        const double* from = rows.row(v);
+        row.assign(from, from + width());
+        plan.points.push_back(write_row(row));
     }
+    PlanReference reference{make_plan_key(t, hood, options), {}};
+    size_t at = 0;
+    while (at < out.references.size() && out.references[at].key != reference.key) ++at;
+    plan.nodes[node] = {
+        shared::pack_node(static_cast<uint32_t>(PlanNodeKind::plan), static_cast<uint32_t>(at), corner),
+        first};
+    if (at < out.references.size()) return;
+    if (!known.contains(reference.key)) reference.request = request_plan(t, hood, corner, reference.key);
+    out.references.push_back(std::move(reference));
+}
 
-    /// The surface over face 0 of t, whose vertices are `rows`.
-    void expand(uint32_t node, const Topology& t, const Rows& rows, uint32_t depth) {
+/// Face 0 of t, which is no patch.
+void PlanWriter::split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth) {
+    const Topology child = refine_once(t, true);
+    ChildRows child_rows(t, rows, child.vertex_count);
+    const uint32_t first = add_nodes(4);
+    plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(PlanNodeKind::split), 0, 0), first};
+    for (uint32_t j = 0; j < 4; ++j) {
         PatchPoints patch;
-        if (find_patch_points(t, 0, options.linear, patch)) {
-            Net net;
-            for (uint32_t k = 0; k < patch.count; ++k) net.push_back(combine(patch.points[k], rows));
-            if (patch.crease_sharpness > 0) return write_crease(node, patch, std::move(net));
-            return write_patch(node, patch.kind, net);
-        }
-        if (depth == options.depth) return write_reference(node, t, rows);
-        if (depth == 0) write_limits(t, rows);
-        const Topology child = refine_once(t, true);
-        const uint32_t first = add_nodes(4);
-        plan.nodes[node] = {PlanNodeKind::split, first, 0, 0};
-        for (uint32_t j = 0; j < 4; ++j) {
+        if (find_patch_points(child, j, false, patch)) {
+            write_leaf(first + j, patch, child_rows);
+        } else if (depth + 1 == options.depth) {
+            write_reference(first + j, child, j, child_rows);
+        } else {
             std::vector<uint32_t> vertices;
             const Topology part = extract_faces(child, faces_touching_face(child, j), vertices);
-            Rows part_rows;
-            Row row;
+            VertexRows part_rows{width(), {}};
+            part_rows.values.reserve(vertices.size() * width());
             for (const uint32_t v : vertices) {
-                row.clear();
-                refinement_row(t, v, Interpolation::vertex, row);
-                const std::vector<double> sum = combine(row, rows);
-                part_rows.insert(part_rows.end(), sum.begin(), sum.end());
+                const double* from = child_rows.row(v);
+                part_rows.values.insert(part_rows.values.end(), from, from + width());
             }
-            expand(first + j, part, part_rows, depth + 1);
+            split(first + j, part, part_rows, depth + 1);
         }
     }
-};
+}
+
+/// Whether rules around the vertices of face 0, which are all that its plan depends on, are still to change.
+bool has_fading_rules(const Topology& t) {
+    auto is_finite = [](float s) { return s > 0 && !is_infinite(s); };
+    auto fades = [&](uint32_t v) {
+        const auto edges = t.edges_of_vertex(v);
+        return is_finite(t.vertex_sharpness[v]) || std::any_of(edges.begin(), edges.end(), [&](uint32_t e) {
+                   return is_finite(t.edge_sharpness[e]);
+               });
+    };
+    const auto vertices = t.vertices_of_face(0);
+    return std::any_of(vertices.begin(), vertices.end(), [&](uint32_t v) {
+        const size_t pair = t.find_dependent(v);
+        return fades(v) || child_rule_of_vertex(t, v) != t.vertex_rules[v] ||
+               (pair != Topology::kNotDependent &&
+                (t.dependent_seam_sharpness[pair] > 0 || fades(t.dependent_vertices[2 * pair + 1])));
+    });
+}
+
+void PlanWriter::write_root(const Topology& t, const VertexRows& rows) {
+    const uint32_t root = add_nodes(1);
+    PatchPoints patch;
+    if (find_patch_points(t, 0, options.linear, patch)) return write_leaf(root, patch, rows);
+    if (!has_fading_rules(t)) write_corner_rows(t, rows);
+    split(root, t, rows, 0);
+}
 
 /// Turns face 0 so that its corner `rotation` comes first.
 void rotate_first_face(Topology& t, uint32_t rotation) {
@@ -150,20 +307,73 @@ void rotate_first_face(Topology& t, uint32_t rotation) {
             if (c < size) c = (c + size - rotation) % size;
 }
 
-std::vector<uint32_t> plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options) {
-    const SchemeOptions& o = t.options;
-    std::vector<uint32_t> key{static_cast<uint32_t>(o.scheme),
-                              static_cast<uint32_t>(o.creasing),
-                              static_cast<uint32_t>(o.triangles),
-                              o.opensubdiv_compatible,
-                              options.linear,
-                              options.depth,
-                              static_cast<uint32_t>(hood.ring.size())};
+PlanKey begin_key(const SchemeOptions& o, uint32_t linear, uint32_t depth) {
+    return {static_cast<uint32_t>(o.scheme),
+            static_cast<uint32_t>(o.creasing),
+            static_cast<uint32_t>(o.triangles),
+            o.opensubdiv_compatible,
+            linear,
+            depth};
+}
+
+/// Ring points are those of the patch.
+void write_regular_plan(PlanNodeKind kind, BuiltPlan& plan) {
+    const size_t stride = shared::plan_row_stride(plan.ring_size);
+    plan.row_count = plan.ring_size;
+    plan.nodes.push_back({shared::pack_node(static_cast<uint32_t>(kind), 0, 0), 0});
+    plan.weights.assign(plan.row_count * stride, 0.0);
+    for (uint32_t r = 0; r < plan.row_count; ++r) {
+        plan.points.push_back(r);
+        plan.weights[r * stride + r] = 1;
+    }
+}
+
+NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known) {
+    NewPlan out;
+    BuiltPlan& plan = *out.plan;
+    plan.ring_size = request.ring_size;
+    if (request.part.face_count == 0) {
+        write_regular_plan(request.kind, plan);
+        return out;
+    }
+    VertexRows rows{plan.ring_size, std::vector<double>(request.slots.size() * plan.ring_size, 0.0)};
+    for (uint32_t v = 0; v < request.slots.size(); ++v) rows.row(v)[request.slots[v]] = 1;
+    PlanWriter writer{options, known, out, plan};
+    writer.write_root(request.part, rows);
+    return out;
+}
+
+}  // namespace
+
+PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
+    const bool triangles = options.scheme == Scheme::loop;
+    PlanRequest request;
+    request.key = begin_key({.scheme = options.scheme}, linear, 0);  // nothing but the scheme matters
+    request.ring_size = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
+    request.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
+                          : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
+    return request;
+}
+
+PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options) {
+    PlanKey key = begin_key(t.options, options.linear, options.depth);
+    key.push_back(static_cast<uint32_t>(hood.ring.size()));
     key.insert(key.end(), hood.signature.begin(), hood.signature.end());
     return key;
 }
 
-}  // namespace
+PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key) {
+    PlanRequest request;
+    request.key = std::move(key);
+    request.ring_size = static_cast<uint32_t>(hood.ring.size());
+    std::vector<uint32_t> vertices;
+    request.part = extract_faces(t, hood.faces, vertices);
+    rotate_first_face(request.part, corner);
+    for (const uint32_t v : vertices)
+        request.slots.push_back(
+            static_cast<uint32_t>(std::find(hood.ring.begin(), hood.ring.end(), v) - hood.ring.begin()));
+    return request;
+}
 
 uint32_t choose_plan_corner(const Topology& t, uint32_t face) {
     const uint32_t begin = t.face_begin(face), size = t.size_of_face(face);
@@ -183,25 +393,56 @@ uint32_t choose_plan_corner(const Topology& t, uint32_t face) {
     return best;
 }
 
-uint32_t find_or_build_plan(const Topology& t, const Neighborhood& hood, uint32_t rotation,
-                            const PlanOptions& options, PlanCache::Impl& cache) {
-    const auto id = static_cast<uint32_t>(cache.plans.size());
-    const auto [at, is_new] = cache.ids.try_emplace(plan_key(t, hood, options), id);
-    if (!is_new) return at->second;
-    // Taken before it is built: plans refer to themselves.
-    BuiltPlan& plan = cache.plans.emplace_back();
-    plan.ring_size = static_cast<uint32_t>(hood.ring.size());
-    std::vector<uint32_t> vertices;
-    Topology part = extract_faces(t, hood.faces, vertices);
-    rotate_first_face(part, rotation);
-    Rows rows(vertices.size() * plan.ring_size, 0.0);
-    for (size_t i = 0; i < vertices.size(); ++i) {
-        const auto slot = std::find(hood.ring.begin(), hood.ring.end(), vertices[i]) - hood.ring.begin();
-        rows[i * plan.ring_size + static_cast<size_t>(slot)] = 1;
+const BuiltPlan* PlanSet::find_cached(const PlanKey& key) const {
+    const std::lock_guard lock(cache_.mutex);
+    const auto at = cache_.plans.find(key);
+    return at == cache_.plans.end() ? nullptr : at->second.get();
+}
+
+Result<void> PlanSet::build() {
+    while (!requests_.empty()) {
+        const std::vector<Request> batch = std::exchange(requests_, {});
+        for (const Request& r : batch)
+            if (r.request.ring_size > kMaxRingSize)
+                return Error{ErrorCode::unsupported, "more than " + std::to_string(kMaxRingSize) +
+                                                         " points lie around one face of the surface"};
+        std::vector<NewPlan> built(batch.size());
+        for_each_index(
+            static_cast<uint32_t>(batch.size()),
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_); }, 1);
+        // In their order, so that numbers do not depend on threads.
+        for (size_t i = 0; i < batch.size(); ++i) {
+            std::vector<uint32_t> references;
+            for (PlanReference& r : built[i].references)
+                references.push_back(find_or_request(r.key, [&] { return std::move(*r.request); }));
+            Entry& entry = entries_[batch[i].number];
+            entry.built = std::move(built[i].plan);
+            entry.plan = entry.built.get();
+            entry.references = std::move(references);
+        }
     }
-    PlanWriter writer{options, cache, plan, {}};
-    writer.expand(writer.add_nodes(1), part, rows, 0);
-    return id;
+    keep_in_cache();
+    return {};
+}
+
+/// Another build may have put a plan there since it was looked for: then that one is taken.
+void PlanSet::keep_in_cache() {
+    const std::lock_guard lock(cache_.mutex);
+    std::vector<std::pair<BuiltPlan*, const std::vector<uint32_t>*>> kept;
+    for (Entry& entry : entries_) {
+        if (entry.built == nullptr) continue;
+        const auto [at, is_new] = cache_.plans.try_emplace(*entry.key, nullptr);
+        if (is_new) {
+            at->second = std::move(entry.built);
+            kept.emplace_back(at->second.get(), &entry.references);
+            const BuiltPlan& plan = *at->second;
+            cache_.bytes += entry.key->size() * sizeof(uint32_t) + plan.weights.size() * sizeof(double) +
+                            plan.nodes.size() * sizeof(PlanNode) + plan.points.size() * sizeof(uint32_t);
+        }
+        entry.plan = at->second.get();
+    }
+    for (const auto& [plan, references] : kept)
+        for (const uint32_t r : *references) plan->references.push_back(entries_[r].plan);
 }
 
 PlanCache::PlanCache() : impl_(std::make_unique<Impl>()) {}
@@ -216,12 +457,7 @@ uint32_t PlanCache::size() const {
 
 uint64_t PlanCache::bytes() const {
     const std::lock_guard lock(impl_->mutex);
-    uint64_t sum = 0;
-    for (const auto& [key, id] : impl_->ids) sum += key.size() * sizeof(uint32_t);
-    for (const BuiltPlan& plan : impl_->plans)
-        sum += plan.weights.size() * sizeof(double) + plan.nodes.size() * sizeof(PlanNode) +
-               plan.points.size() * sizeof(uint32_t);
-    return sum;
+    return impl_->bytes;
 }
 
 }  // namespace limn

@@ -10,6 +10,11 @@
     using uint = uint32_t;
 #define LIMN_SHARED_END }
 #define LIMN_FN inline
+#define LIMN_OUT_ARRAY(T, name, n) T (&name)[n]
+#define LIMN_INOUT(T) T&
+namespace limn::shared {
+using real = double;  // the CPU reference; kernels compute in float
+}
 /// Fails to compile unless C++ lays T out in `bytes` bytes of 32-bit members, as std430 does.
 #define LIMN_LAYOUT(T, bytes) \
     static_assert(sizeof(T) == bytes && alignof(T) == 4 && std::is_trivially_copyable_v<T>);
@@ -17,6 +22,9 @@
 #define LIMN_SHARED_BEGIN
 #define LIMN_SHARED_END
 #define LIMN_FN
+#define LIMN_OUT_ARRAY(T, name, n) out T name[n]
+#define LIMN_INOUT(T) inout T
+#define real float
 #define LIMN_LAYOUT(T, bytes)
 #endif
 
