@@ -221,6 +221,7 @@ class PointBuilder {
         std::vector<uint32_t> needed;
         for (uint32_t v = 0; v < point_of_child.size(); ++v)
             if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
+        table_.first_refined = needed.empty() ? table_.control_count : (table_.control_count + 63) & ~63u;
         make_rows(needed);
         group_rows();
         std::vector<uint32_t> cursor, indices(indices_.size());
@@ -311,7 +312,7 @@ class PointBuilder {
             ++runs_[at->second].row_count;
             patterns_.push_back(at->second);
         }
-        uint32_t point = table_.control_count, index = 0;
+        uint32_t point = table_.first_refined, index = 0;
         for (PointRun& run : runs_) {
             run.first_point = point;
             run.first_index = index;
@@ -341,7 +342,7 @@ Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<R
             point_of_child[v] = 0;
         }
     });
-    if (ring_count > kInvalidIndex || children + table.control_count > kInvalidIndex)
+    if (ring_count > kInvalidIndex || children + table.control_count + 64 > kInvalidIndex)
         return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
     PointBuilder<Real>(b, source, table).build(point_of_child);
     std::vector<uint32_t> points;
@@ -422,7 +423,7 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
     counts.allocate(table.refined_count);
     uint64_t entries = 0;
     for (const PointRun& run : table.point_runs) {
-        std::fill_n(counts.begin() + (run.first_point - table.control_count), run.row_count, run.entry_count);
+        std::fill_n(counts.begin() + (run.first_point - table.first_refined), run.row_count, run.entry_count);
         entries += uint64_t{run.row_count} * run.entry_count;
     }
     out.offsets = offsets_from_counts(counts);

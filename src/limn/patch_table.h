@@ -93,12 +93,14 @@ struct PointRun {
     uint32_t first_weight;
 };
 
-/// Points are the control points [0, control_count) and, after them, the vertices of level 1 that surfaces
-/// need: point_runs, whose points follow each other, say what they are made of.
+/// Points are the control points [0, control_count) and, from first_refined on, the vertices of level 1 that
+/// surfaces need: point_runs, whose points follow each other, say what they are made of. What lies between is
+/// not used: first_refined is a multiple of 64, so that devices can bind the two apart.
 template <class Real>
 struct BasicPatchTable {
     SchemeOptions options;
     uint32_t control_count = 0;
+    uint32_t first_refined = 0;  ///< control_count where there are none
     uint32_t refined_count = 0;
     Array<PointRun> point_runs;
     IndexList point_indices;
@@ -114,7 +116,7 @@ struct BasicPatchTable {
     /// corner.
     Array<uint32_t> ptex_surfaces;
 
-    uint32_t point_count() const { return control_count + refined_count; }
+    uint32_t point_count() const { return first_refined + refined_count; }
     uint64_t plan_bytes() const {
         return plans.bytes() + plan_nodes.bytes() + plan_points.bytes() + plan_weights.bytes();
     }
@@ -168,7 +170,7 @@ Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& 
 
 inline constexpr uint32_t kMaxRingSize = 4096;
 
-/// The level-1 points as an ordinary stencil table: row r is point control_count + r.
+/// The level-1 points as an ordinary stencil table: row r is point first_refined + r.
 template <class Real>
 BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table);
 

@@ -35,32 +35,32 @@ LIMN_FN void move_location(LIMN_INOUT(PatchLocation) at, real u0, real a, real b
 // Moves into one of four children, numbered as PlanNodeKind::split says: which. What lies between two belongs to the
 // one nearer to the origin.
 LIMN_FN uint descend_location(LIMN_INOUT(PatchLocation) at, bool triangles) {
-    const real half = real(0.5), zero = real(0), one = real(1), two = real(2);
+    const real middle = real(0.5), zero = real(0), one = real(1), two = real(2);
     if (triangles) {
-        if (at.u > half) {
+        if (at.u > middle) {
             move_location(at, -one, two, zero, zero, zero, two);
             return 1u;
         }
-        if (at.v > half) {
+        if (at.v > middle) {
             move_location(at, zero, two, zero, -one, zero, two);
             return 2u;
         }
-        if (at.u + at.v > half) {
+        if (at.u + at.v > middle) {
             move_location(at, one, -two, zero, one, zero, -two);
             return 3u;
         }
         move_location(at, zero, two, zero, zero, zero, two);
         return 0u;
     }
-    const bool right = at.u > half, upper = at.v > half;
+    const bool right = at.u > middle, upper = at.v > middle;
     move_location(at, right ? -one : zero, two, zero, upper ? -one : zero, zero, two);
     return upper ? (right ? 2u : 3u) : (right ? 1u : 0u);
 }
 
 // The half of a split_u or split_v node.
 LIMN_FN uint descend_location_half(LIMN_INOUT(PatchLocation) at, bool along_u) {
-    const real half = real(0.5), zero = real(0), one = real(1), two = real(2);
-    const bool upper = (along_u ? at.u : at.v) > half;
+    const real middle = real(0.5), zero = real(0), one = real(1), two = real(2);
+    const bool upper = (along_u ? at.u : at.v) > middle;
     const real offset = upper ? -one : zero;
     move_location(at, along_u ? offset : zero, along_u ? two : one, zero, along_u ? zero : offset, zero,
                   along_u ? one : two);

@@ -1,0 +1,171 @@
+// The body of the patch_eval kernels. Before it: WORD(i), SAMPLE(i), uints; WEIGHTS(i), a vec4; POINT(i), a float.
+
+layout(local_size_x = kPatchWorkgroupSize) in;
+layout(constant_id = kPatchWidthConstant) const uint kWidth = 3;
+layout(constant_id = kPatchValueCountConstant) const uint kValueCount = 3;
+layout(constant_id = kPatchNarrowConstant) const uint kNarrow = 0;
+layout(constant_id = kPatchTrianglesConstant) const uint kTriangles = 0;
+layout(constant_id = kPatchMaxRingConstant) const uint kMaxRing = 24;
+
+layout(std430, push_constant) uniform Push { PatchEvalParams params; };
+layout(std430, binding = kPatchResultsBinding) writeonly buffer Results { float results[]; };
+layout(std430, binding = kPatchStatusesBinding) writeonly buffer Statuses { uint statuses[]; };
+
+// The ring of the plan that evaluation has got to: points of the surface or, behind references, deep_ring.
+vec4 deep_ring[kMaxRing];
+vec4 next_ring[kMaxRing];
+bool is_deep = false;
+uint surface_ring;
+
+struct PlanWords {
+    uint ring_size, first_weight, first_node, first_point, has_corner_rows;
+};
+PlanWords read_plan(uint plan) {
+    const uint at = params.table.plans + 6 * plan;
+    return PlanWords(WORD(at), WORD(at + 2), WORD(at + 3), WORD(at + 4), WORD(at + 5));
+}
+
+vec4 ring_point(uint j) {
+    if (is_deep) return deep_ring[j];
+    const uint i = surface_ring + j, word = WORD(params.table.ring_points + (kNarrow != 0 ? i / 2 : i));
+    const uint at = params.point_base + (kNarrow != 0 ? narrow_index(word, i) : word) * params.point_stride;
+    return vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0,
+                kWidth > 3 ? POINT(at + 3) : 0);
+}
+
+uint row_group(PlanWords plan, uint row) {
+    return (params.table.plan_weights + plan.first_weight + row * plan_row_stride(plan.ring_size)) / 4;
+}
+vec4 row_point(PlanWords plan, uint row) {
+    const uint group = row_group(plan, row);
+    vec4 sum = vec4(0);
+    for (uint j = 0; j < plan.ring_size; j += 4) {
+        const vec4 weights = WEIGHTS(group + j / 4);
+        for (uint c = 0; c < 4; ++c) sum += weights[c] * ring_point(min(j + c, plan.ring_size - 1));
+    }
+    return sum;
+}
+
+// The ring of the next plan, relative to the limit of its corner: what matters for derivatives near an extraordinary
+// vertex are differences that shrink with every level, and would be lost beside the position.
+vec4 refine_ring(PlanWords plan, uint first_row, PlanWords next) {
+    for (uint k = 0; k < next.ring_size; ++k)
+        next_ring[k] = row_point(plan, WORD(params.table.plan_points + plan.first_point + first_row + k));
+    for (uint k = 0; k < next.ring_size; ++k) deep_ring[k] = next_ring[k];
+    is_deep = true;
+    if (next.has_corner_rows == 0) return vec4(0);
+    const vec4 origin = row_point(next, kCornerLimitRow);
+    for (uint k = 0; k < next.ring_size; ++k) deep_ring[k] -= origin;
+    return origin;
+}
+
+// Value, du, dv, duu, duv, dvv of a patch, by the coordinates of its node.
+void sum_patch(PlanWords plan, uint kind, uint first_row, PatchLocation at, inout vec4 sums[6]) {
+    Jet basis[kMaxPatchPoints];
+    patch_basis(kind, at.u, at.v, basis);
+    const uint count = patch_point_count(kind);
+    uint groups[kMaxPatchPoints];
+    for (uint k = 0; k < kMaxPatchPoints; ++k)  // the functions past `count` are zero
+        groups[k] = row_group(plan, WORD(params.table.plan_points + plan.first_point + first_row + min(k, count - 1)));
+    for (uint j = 0; j < plan.ring_size; j += 4) {
+        vec4 weights[6] = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
+        for (uint k = 0; k < kMaxPatchPoints; ++k) {
+            const vec4 row = WEIGHTS(groups[k] + j / 4);
+            weights[0] += basis[k].f * row;
+            if (kValueCount > 1) {
+                weights[1] += basis[k].u * row;
+                weights[2] += basis[k].v * row;
+            }
+            if (kValueCount > 3) {
+                weights[3] += basis[k].uu * row;
+                weights[4] += basis[k].uv * row;
+                weights[5] += basis[k].vv * row;
+            }
+        }
+        for (uint c = 0; c < 4; ++c) {
+            const vec4 point = ring_point(min(j + c, plan.ring_size - 1));
+            for (uint d = 0; d < kValueCount; ++d) sums[d] += weights[d][c] * point;
+        }
+    }
+}
+
+// Two tangents, turned as the face is; their lengths mean nothing, so the scale of `at` is left out.
+void take_corner(PlanWords plan, inout PatchLocation at, inout vec4 sums[6]) {
+    sums[0] = row_point(plan, kCornerLimitRow);
+    if (kValueCount == 1) return;
+    sums[1] = row_point(plan, kCornerTangentRow);
+    sums[2] = row_point(plan, kCornerTangentRow + 1);
+    const float scale = max(max(abs(at.uu), abs(at.uv)), max(abs(at.vu), abs(at.vv)));
+    at.uu /= scale;
+    at.uv /= scale;
+    at.vu /= scale;
+    at.vv /= scale;
+}
+
+void evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
+    for (uint d = 0; d < 6; ++d) sums[d] = vec4(0);
+    vec4 origin = vec4(0);
+    uint depth = 0;
+    // Every second round descends; the bound only says that this ends.
+    for (uint round = 0; round <= 2 * kPatchMostDepth + 32; ++round) {
+        const PlanWords plan = read_plan(plan_index);
+        if (plan.has_corner_rows != 0 && ((at.u == 0 && at.v == 0) || depth >= kPatchMostDepth)) {
+            take_corner(plan, at, sums);
+            break;
+        }
+        uint node = plan.first_node, word = WORD(params.table.plan_nodes + 2 * node);
+        while (node_kind(word) <= kNodeSplitV) {
+            const uint first = plan.first_node + WORD(params.table.plan_nodes + 2 * node + 1);
+            if (node_kind(word) == kNodeSplit) {
+                node = first + descend_location(at, kTriangles != 0);
+                ++depth;
+            } else {
+                node = first + descend_location_half(at, node_kind(word) == kNodeSplitU);
+            }
+            word = WORD(params.table.plan_nodes + 2 * node);
+        }
+        const uint first_row = WORD(params.table.plan_nodes + 2 * node + 1);
+        if (node_kind(word) != kNodePlan) {
+            sum_patch(plan, node_kind(word), first_row, at, sums);
+            break;
+        }
+        rotate_location(at, node_rotation(word), kTriangles != 0);
+        plan_index = node_plan(word);
+        origin += refine_ring(plan, first_row, read_plan(plan_index));
+    }
+    sums[0] += origin;
+    const vec4 u = sums[1], v = sums[2], uu = sums[3], uv = sums[4], vv = sums[5];
+    sums[1] = u * at.uu + v * at.vu;
+    sums[2] = u * at.uv + v * at.vv;
+    sums[3] = uu * (at.uu * at.uu) + uv * (2 * at.uu * at.vu) + vv * (at.vu * at.vu);
+    sums[4] = uu * (at.uu * at.uv) + uv * (at.uu * at.vv + at.uv * at.vu) + vv * (at.vu * at.vv);
+    sums[5] = uu * (at.uv * at.uv) + uv * (2 * at.uv * at.vv) + vv * (at.vv * at.vv);
+}
+
+void main() {
+    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    const uint s = group * kPatchWorkgroupSize + gl_LocalInvocationID.x;
+    if (s >= params.sample_count) return;
+    const uint sample_at = params.first_sample + 3 * s;
+    const uint face = SAMPLE(sample_at);
+    const float u = uintBitsToFloat(SAMPLE(sample_at + 1)), v = uintBitsToFloat(SAMPLE(sample_at + 2));
+    uint status = kSampleOutOfRange, surface = 0;
+    // A float sum may exceed 1 on the third side of a triangle.
+    if (face < params.ptex_count && u >= 0 && u <= 1 && v >= 0 && v <= 1 && (kTriangles == 0 || u + v <= 1.000001)) {
+        surface = WORD(params.table.ptex_surfaces + face);
+        status = surface == kPtexHole ? kSampleHole : kSampleValid;
+    }
+    vec4 sums[6] = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
+    if (status == kSampleValid) {
+        PatchLocation at = make_location(u, v);
+        if ((surface & kPtexSplit) != 0) surface = (surface & ~kPtexSplit) + descend_location(at, kTriangles != 0);
+        const uint word = WORD(params.table.surfaces + 2 * surface);
+        surface_ring = WORD(params.table.surfaces + 2 * surface + 1);
+        rotate_location(at, surface_rotation(word), kTriangles != 0);
+        evaluate(surface_plan(word), at, sums);
+    }
+    const uint result = params.result_base + s * params.result_stride;
+    for (uint d = 0; d < kValueCount; ++d)
+        for (uint c = 0; c < kWidth; ++c) results[result + d * kWidth + c] = sums[d][c];
+    if (params.status_base != kPatchNoStatus) statuses[params.status_base + s] = status;
+}

@@ -1,0 +1,61 @@
+// What the host and the grid_eval kernels agree on.
+//
+// The grid buffer is an array of words. A tile is up to kGridTileSurfaces surfaces of one class (grid_table.h), at
+// tile_base + tile * kGridTileWords:
+//   [0] first weight, in groups of four   [1] surfaces   [2] ring points   [3] corner slots, 8 bits each
+//   [4 + 3 t ..] of surface t: its first ring point, its ptex face counted from the first of the pass, its placement
+// A placement is 4 words, the signed integers uu, uv, vu, vv, and then a word for each sample: which sample of its ptex
+// face it is, or kGridNoSample.
+#ifndef LIMN_SHARED_GRID_EVAL_PARAMS_H
+#define LIMN_SHARED_GRID_EVAL_PARAMS_H
+#include "limn/shared/interop.h"
+LIMN_SHARED_BEGIN
+
+const uint kGridPatchesBinding = 0;  // words of the patch table
+const uint kGridTilesBinding = 1;    // words of the grid
+const uint kGridWeightsBinding = 2;  // groups of four floats
+const uint kGridPointsBinding = 3;
+const uint kGridValuesBinding = 4;
+const uint kGridSecondBinding = 5;  // normals, or du
+const uint kGridThirdBinding = 6;   // dv
+const uint kGridBindingCount = 7;
+
+// Specialization constants.
+const uint kGridGroupsConstant = 0;  // groups of four ring points that are loaded at once
+const uint kGridOutputConstant = 1;
+const uint kGridWidthConstant = 2;       // components, 1 to 4
+const uint kGridNarrowConstant = 3;      // 1: ring points are 16-bit indices
+const uint kGridInvocationsConstant = 4;  // of a workgroup
+const uint kGridValueCountConstant = 5;   // of the weights: 1, or 3 with derivatives
+
+const uint kGridOutputValue = 0;
+const uint kGridOutputNormal = 1;  // width 3
+const uint kGridOutputDerivatives = 2;
+
+const uint kGridTileSurfaces = 4;
+const uint kGridTileWords = 4 + 3 * kGridTileSurfaces;
+const uint kGridPlacementHeader = 4;
+const uint kGridNoSample = 0xffffffffu;
+
+// Push constants. Component c of sample s of the pass is the float at base + s * stride + c of its buffer.
+struct GridEvalParams {
+    uint tile_base;
+    uint tile_count;
+    uint chunk_count;  // workgroups per tile
+    uint sample_count;
+    uint load_count;  // times that `groups` ring points are loaded
+    uint samples_per_face;
+    uint ring_base;  // words
+    uint point_base;
+    uint point_stride;
+    uint value_base;
+    uint value_stride;
+    uint second_base;
+    uint second_stride;
+    uint third_base;
+    uint third_stride;
+};
+LIMN_LAYOUT(GridEvalParams, 60)
+
+LIMN_SHARED_END
+#endif

@@ -1,0 +1,63 @@
+// What the host and the patch_eval kernels agree on.
+//
+// A patch table on the device is one array of words: the arrays of patch_table.h, each beginning at a multiple of four.
+// A sample is three words, the ptex face and, as floats, u and v.
+#ifndef LIMN_SHARED_PATCH_EVAL_PARAMS_H
+#define LIMN_SHARED_PATCH_EVAL_PARAMS_H
+#include "limn/shared/interop.h"
+LIMN_SHARED_BEGIN
+
+const uint kPatchWorkgroupSize = 64;  // invocations, one per sample
+
+const uint kPatchWordsBinding = 0;
+const uint kPatchWeightsBinding = 1;  // the same buffer, as groups of four floats
+const uint kPatchPointsBinding = 2;
+const uint kPatchSamplesBinding = 3;
+const uint kPatchResultsBinding = 4;
+const uint kPatchStatusesBinding = 5;
+const uint kPatchBindingCount = 6;
+
+// Specialization constants.
+const uint kPatchWidthConstant = 0;        // components, 1 to 4
+const uint kPatchValueCountConstant = 1;   // 1, 3 or 6: value, du, dv, duu, duv, dvv
+const uint kPatchNarrowConstant = 2;       // 1: ring points are 16-bit indices
+const uint kPatchTrianglesConstant = 3;    // 1: Loop
+const uint kPatchMaxRingConstant = 4;      // the largest ring of any plan
+
+// Statuses, in the order of SampleStatus.
+const uint kSampleValid = 0;
+const uint kSampleHole = 1;
+const uint kSampleOutOfRange = 2;
+
+// Where 2^-depth of a surface no longer matters.
+const uint kPatchMostDepth = 40;
+
+// Where the arrays begin, in words.
+struct PatchTableOffsets {
+    uint ptex_surfaces;
+    uint surfaces;
+    uint ring_points;
+    uint plans;
+    uint plan_nodes;
+    uint plan_points;
+    uint plan_weights;
+};
+LIMN_LAYOUT(PatchTableOffsets, 28)
+
+// Push constants.
+struct PatchEvalParams {
+    PatchTableOffsets table;
+    uint ptex_count;
+    uint sample_count;
+    uint first_sample;  // words
+    uint point_base;
+    uint point_stride;
+    uint result_base;  // component c of value d of sample s is result_base + s * result_stride + d * width + c
+    uint result_stride;
+    uint status_base;  // words; kPatchNoStatus: none are written
+};
+LIMN_LAYOUT(PatchEvalParams, 60)
+const uint kPatchNoStatus = 0xffffffffu;
+
+LIMN_SHARED_END
+#endif

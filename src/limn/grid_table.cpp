@@ -1,0 +1,235 @@
+#include "limn/grid_table.h"
+
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+#include "limn/parallel.h"
+#include "limn/patch_evaluator.h"
+#include "limn/topology.h"
+
+namespace limn {
+namespace {
+
+constexpr uint32_t kWhole = 4;  ///< in place of a child: the surface is the whole ptex face
+
+/// A sample of a surface: coordinates of the plan times rate, and which sample of the ptex face it is.
+struct LatticeSample {
+    int32_t x, y;
+    uint32_t out;  ///< kInvalidIndex where another surface has it
+    bool operator<(const LatticeSample& o) const { return y != o.y ? y < o.y : x < o.x; }
+};
+
+struct Lattices {
+    const GridOptions& options;
+    bool triangles;
+    GridTable& out;
+    /// Coordinates of each lattice's samples, and whether they are those of a child.
+    std::vector<std::pair<std::vector<std::pair<int32_t, int32_t>>, bool>> lattices = {};
+    struct Placed {
+        uint32_t lattice, placement;
+    };
+    std::map<std::pair<uint32_t, uint32_t>, Placed> placed = {};
+    std::vector<uint32_t> samples = {};
+
+    int32_t rate() const { return static_cast<int32_t>(options.rate); }
+
+    /// The closed child that holds sample (i, j), in its coordinates; false where it lies outside.
+    bool enter(uint32_t child, int32_t i, int32_t j, int32_t& x, int32_t& y) const {
+        const int32_t r = rate();
+        x = 2 * i;
+        y = 2 * j;
+        if (child == kWhole) {
+            x = i;
+            y = j;
+            return true;
+        }
+        if (triangles && child == 3) {
+            x = r - x;
+            y = r - y;
+            return x >= 0 && y >= 0 && x + y <= r;
+        }
+        if (child == 1 || (!triangles && child == 2)) x -= r;
+        if (child == 2 || child == 3) y -= r;
+        return x >= 0 && y >= 0 && (triangles ? x + y <= r : x <= r && y <= r);
+    }
+    /// As shared::descend_location does.
+    uint32_t owner(int32_t i, int32_t j) const {
+        const int32_t r = rate();
+        const bool right = 2 * i > r, upper = 2 * j > r;
+        if (triangles) return right ? 1 : upper ? 2 : 2 * (i + j) > r ? 3 : 0;
+        return upper ? (right ? 2 : 3) : (right ? 1 : 0);
+    }
+
+    Placed place(uint32_t child, uint32_t rotation) {
+        const auto [at, is_new] = placed.try_emplace({child, rotation});
+        if (is_new) at->second = make(child, rotation);
+        return at->second;
+    }
+    Placed make(uint32_t child, uint32_t rotation) {
+        std::vector<LatticeSample> found;
+        uint32_t out_index = 0;
+        for (int32_t j = 0; j <= rate(); ++j) {
+            for (int32_t i = 0; i <= (triangles ? rate() - j : rate()); ++i, ++out_index) {
+                LatticeSample s{0, 0, out_index};
+                if (!enter(child, i, j, s.x, s.y)) continue;
+                if (child != kWhole && owner(i, j) != child) s.out = kInvalidIndex;
+                for (uint32_t k = 0; k < rotation; ++k)
+                    s = {s.y, rate() - s.x - (triangles ? s.y : 0), s.out};
+                found.push_back(s);
+            }
+        }
+        std::sort(found.begin(), found.end());
+        std::pair<std::vector<std::pair<int32_t, int32_t>>, bool> key{{}, child != kWhole};
+        GridPlacement placement = turned(child, rotation);
+        placement.first = static_cast<uint32_t>(samples.size());
+        for (const LatticeSample& s : found) {
+            key.first.emplace_back(s.x, s.y);
+            samples.push_back(s.out);
+        }
+        const auto at = std::find(lattices.begin(), lattices.end(), key);
+        const auto lattice = static_cast<uint32_t>(at - lattices.begin());
+        if (at == lattices.end()) lattices.push_back(std::move(key));
+        out.placements.push_back(placement);
+        return {lattice, static_cast<uint32_t>(out.placements.size() - 1)};
+    }
+    GridPlacement turned(uint32_t child, uint32_t rotation) const {
+        shared::PatchLocation at = shared::make_location(0, 0);
+        if (triangles && child == 3) shared::move_location(at, 1, -1, 0, 1, 0, -1);
+        shared::rotate_location(at, rotation, triangles);
+        auto whole = [](double x) { return static_cast<int32_t>(x); };
+        return {whole(at.uu), whole(at.uv), whole(at.vu), whole(at.vv), 0};
+    }
+};
+
+/// A plan and a lattice.
+using ClassKey = std::pair<uint32_t, uint32_t>;
+
+template <class Real>
+GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size_t sample_count) {
+    const uint32_t ring = table.plans[plan].ring_size;
+    GridClass c{ring, (ring + 3) / 4, static_cast<uint32_t>(sample_count), 0, {0, 1, 2, 3}};
+    if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
+    // Rings begin with the corners, except for those of patches.
+    const PlanNode& root = table.plan_nodes[table.plans[plan].first_node];
+    constexpr uint32_t bicubic[4] = {5, 6, 10, 9}, box_spline[4] = {4, 5, 8, 8};
+    const bool regular = table.plans[plan].row_count == ring &&
+                         ring == shared::patch_point_count(static_cast<uint32_t>(root.kind()));
+    if (regular && root.kind() == PlanNodeKind::bicubic) std::copy_n(bicubic, 4, c.corner_slots);
+    if (regular && root.kind() == PlanNodeKind::box_spline) std::copy_n(box_spline, 4, c.corner_slots);
+    if (table.options.scheme == Scheme::loop && !regular) c.corner_slots[3] = 2;
+    if (root.kind() == PlanNodeKind::linear) c.corner_slots[3] = 2;
+    return c;
+}
+
+/// The rows of a class: the surface over the unit vectors of the ring.
+template <class Real>
+void write_weights(const BasicPatchTable<Real>& table, const ClassKey& key, const Lattices& lattices,
+                   const GridClass& c, GridTable& out) {
+    const PatchEvaluator<Real> evaluator{table, lattices.triangles, c.ring_size};
+    PatchScratch scratch;
+    const auto& [coordinates, is_child] = lattices.lattices[key.second];
+    for (uint32_t s = 0; s < c.sample_count; ++s) {
+        scratch.ring.assign(size_t{c.ring_size} * c.ring_size, 0.0);
+        for (size_t j = 0; j < c.ring_size; ++j) scratch.ring[j * c.ring_size + j] = 1;
+        const auto [x, y] = coordinates[s];
+        shared::PatchLocation at = shared::make_location(static_cast<double>(x) / lattices.rate(),
+                                                         static_cast<double>(y) / lattices.rate());
+        at.uu = at.vv = is_child ? 2 : 1;
+        evaluator.evaluate(key.first, at, scratch);
+        for (uint32_t k = 0; k < out.value_count; ++k) {
+            const double* row = scratch.values.data() + size_t{k} * c.ring_size;
+            for (uint32_t j = 0; j < 4 * c.group_count; ++j) {
+                const size_t group =
+                    c.first_weight + (size_t{j / 4} * out.value_count + k) * c.sample_count + s;
+                out.weights[4 * group + j % 4] =
+                    j < c.ring_size ? static_cast<float>(row[j]) : 0.0f;
+            }
+        }
+    }
+}
+
+template <class Real>
+std::vector<GridSurface> list_surfaces(const BasicPatchTable<Real>& table, Lattices& lattices,
+                                       std::vector<ClassKey>& keys) {
+    std::vector<GridSurface> surfaces;
+    std::map<ClassKey, uint32_t> numbers;
+    auto add = [&](uint32_t face, uint32_t surface_index, uint32_t child) {
+        const Surface& surface = table.surfaces[surface_index];
+        const Lattices::Placed placed = lattices.place(child, surface.rotation());
+        const ClassKey key{surface.plan(), placed.lattice};
+        if (lattices.lattices[placed.lattice].first.empty()) return;
+        const auto [at, is_new] = numbers.try_emplace(key, static_cast<uint32_t>(keys.size()));
+        if (is_new) keys.push_back(key);
+        surfaces.push_back({surface.first_ring, face, placed.placement, at->second});
+    };
+    for (uint32_t f = 0; f < table.ptex_surfaces.size(); ++f) {
+        const uint32_t word = table.ptex_surfaces[f];
+        if (word == shared::kPtexHole) continue;
+        if ((word & shared::kPtexSplit) == 0) {
+            add(f, word, kWhole);
+            continue;
+        }
+        for (uint32_t child = 0; child < 4; ++child) add(f, (word & ~shared::kPtexSplit) + child, child);
+    }
+    return surfaces;
+}
+
+}  // namespace
+
+template <class Real>
+Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const GridOptions& options) {
+    if (options.rate < 1 || options.rate > 256)
+        return Error{ErrorCode::invalid_argument,
+                     "rate " + std::to_string(options.rate) + " is not within 1 and 256"};
+    if (options.samples_per_pass == 0) return Error{ErrorCode::invalid_argument, "passes hold no samples"};
+    GridTable out;
+    const bool triangles = table.options.scheme == Scheme::loop;
+    out.rate = options.rate;
+    out.value_count = options.derivatives ? 3 : 1;
+    out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
+    out.samples_per_face =
+        triangles ? (options.rate + 1) * (options.rate + 2) / 2 : (options.rate + 1) * (options.rate + 1);
+    out.faces_per_pass = std::max(1u, options.samples_per_pass / out.samples_per_face);
+    Lattices lattices{options, triangles, out};
+    std::vector<ClassKey> keys;
+    std::vector<GridSurface> surfaces = list_surfaces(table, lattices, keys);
+    std::stable_sort(surfaces.begin(), surfaces.end(), [&](const GridSurface& a, const GridSurface& b) {
+        const uint32_t pass_a = a.ptex_face / out.faces_per_pass, pass_b = b.ptex_face / out.faces_per_pass;
+        return pass_a != pass_b ? pass_a < pass_b : a.grid_class < b.grid_class;
+    });
+    uint64_t groups = 0;
+    for (const ClassKey& key : keys) {
+        out.classes.push_back(describe_class(table, key.first, lattices.lattices[key.second].first.size()));
+        GridClass& c = out.classes.back();
+        c.first_weight = static_cast<uint32_t>(groups);
+        groups += uint64_t{c.group_count} * out.value_count * c.sample_count;
+        if (groups * 16 > options.max_weight_bytes)
+            return Error{ErrorCode::too_large,
+                         "a grid of rate " + std::to_string(options.rate) + " needs more than " +
+                             std::to_string(options.max_weight_bytes >> 20) + " MiB of weights"};
+    }
+    out.weights.allocate(groups * 4);
+    for_each_index(
+        static_cast<uint32_t>(keys.size()),
+        [&](uint32_t i) { write_weights(table, keys[i], lattices, out.classes[i], out); }, 1);
+    out.surfaces.allocate(surfaces.size());
+    std::copy(surfaces.begin(), surfaces.end(), out.surfaces.begin());
+    out.placement_samples.allocate(lattices.samples.size());
+    std::copy(lattices.samples.begin(), lattices.samples.end(), out.placement_samples.begin());
+    return out;
+}
+
+std::vector<PatchSample> list_grid_samples(Scheme scheme, uint32_t ptex_count, uint32_t rate) {
+    std::vector<PatchSample> samples;
+    for (uint32_t f = 0; f < ptex_count; ++f)
+        for (uint32_t j = 0; j <= rate; ++j)
+            for (uint32_t i = 0; i <= (scheme == Scheme::loop ? rate - j : rate); ++i)
+                samples.push_back({f, static_cast<double>(i) / rate, static_cast<double>(j) / rate});
+    return samples;
+}
+
+template Result<GridTable> build_grid_table<float>(const PatchTable&, const GridOptions&);
+template Result<GridTable> build_grid_table<double>(const PatchTableDouble&, const GridOptions&);
+
+}  // namespace limn

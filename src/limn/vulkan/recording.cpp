@@ -1,0 +1,101 @@
+#include "limn/vulkan/recording.h"
+
+namespace limn::vk {
+namespace {
+
+Result<VkDescriptorPool> create_pool(const Device& device, std::span<const BoundBuffer> buffers) {
+    VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0},
+                                     {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 0}};
+    for (const BoundBuffer& b : buffers) ++sizes[b.type == sizes[0].type ? 0 : 1].descriptorCount;
+    const bool storage = sizes[0].descriptorCount != 0, texel = sizes[1].descriptorCount != 0;
+    VkDescriptorPoolCreateInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    info.maxSets = 1;
+    info.poolSizeCount = static_cast<uint32_t>(storage) + static_cast<uint32_t>(texel);
+    info.pPoolSizes = storage ? sizes : sizes + 1;
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, nullptr, &pool);
+    if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorPool", result);
+    return pool;
+}
+
+Result<VkBufferView> create_view(const Device& device, const BoundBuffer& b) {
+    VkBufferViewCreateInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+    info.buffer = b.buffer;
+    info.format = b.format;
+    info.offset = b.offset_bytes;
+    info.range = b.size_bytes;
+    VkBufferView view = VK_NULL_HANDLE;
+    const VkResult result = device.functions.CreateBufferView(device.handle, &info, nullptr, &view);
+    if (result != VK_SUCCESS) return vulkan_error("vkCreateBufferView", result);
+    return view;
+}
+
+}  // namespace
+
+Recording::~Recording() {
+    if (device == nullptr) return;
+    const Functions& functions = device->functions;
+    for (const VkBufferView view : views) functions.DestroyBufferView(device->handle, view, nullptr);
+    for (const VkDescriptorPool pool : pools) functions.DestroyDescriptorPool(device->handle, pool, nullptr);
+}
+
+Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,
+                                           std::span<const BoundBuffer> buffers) {
+    auto pool = create_pool(*device, buffers);
+    if (!pool) return pool.error();
+    pools.push_back(*pool);
+    VkDescriptorSetAllocateInfo allocate = {};
+    allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+    allocate.descriptorPool = *pool;
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &set_layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    const VkResult result = device->functions.AllocateDescriptorSets(device->handle, &allocate, &set);
+    if (result != VK_SUCCESS) return vulkan_error("vkAllocateDescriptorSets", result);
+
+    std::vector<VkWriteDescriptorSet> writes(buffers.size());
+    std::vector<VkDescriptorBufferInfo> infos(buffers.size());
+    std::vector<VkBufferView> bound_views(buffers.size(), VK_NULL_HANDLE);
+    for (size_t i = 0; i < buffers.size(); ++i) {
+        const BoundBuffer& b = buffers[i];
+        infos[i] = {b.buffer, b.offset_bytes, b.size_bytes};
+        if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
+            auto view = create_view(*device, b);
+            if (!view) return view.error();
+            views.push_back(*view);
+            bound_views[i] = *view;
+        }
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = set;
+        writes[i].dstBinding = static_cast<uint32_t>(i);
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = b.type;
+        writes[i].pBufferInfo = &infos[i];
+        writes[i].pTexelBufferView = &bound_views[i];
+    }
+    device->functions.UpdateDescriptorSets(device->handle, static_cast<uint32_t>(writes.size()),
+                                           writes.data(), 0, nullptr);
+    return set;
+}
+
+void Recording::record(VkCommandBuffer command_buffer) const {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    for (const Dispatch& dispatch : dispatches) {
+        if (dispatch.pipeline != pipeline)
+            device->functions.CmdBindPipeline(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                              dispatch.pipeline);
+        if (dispatch.set != set)
+            device->functions.CmdBindDescriptorSets(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0,
+                                                    1, &dispatch.set, 0, nullptr);
+        pipeline = dispatch.pipeline;
+        set = dispatch.set;
+        device->functions.CmdPushConstants(command_buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                           push_constant_bytes, dispatch.push_constants.data());
+        device->functions.CmdDispatch(command_buffer, dispatch.groups[0], dispatch.groups[1], 1);
+    }
+}
+
+}  // namespace limn::vk

@@ -1,0 +1,59 @@
+// Dispatches with all that they need bound, ready to be recorded. Not part of the public interface.
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "limn/vulkan/pipeline.h"
+
+namespace limn::vk {
+
+/// What a binding of a descriptor set refers to. `format` is of a texel buffer.
+struct BoundBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0;
+    VkDeviceSize size_bytes = 0;
+    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    VkFormat format = VK_FORMAT_UNDEFINED;
+};
+
+struct Recording {
+    struct Dispatch {
+        VkPipeline pipeline;
+        VkDescriptorSet set;
+        uint32_t groups[2];
+        std::array<uint32_t, 32> push_constants;
+    };
+    const Device* device = nullptr;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    uint32_t push_constant_bytes = 0;
+    std::vector<VkDescriptorPool> pools;
+    std::vector<VkBufferView> views;
+    std::vector<Dispatch> dispatches;
+
+    Recording() = default;
+    Recording(const Recording&) = delete;
+    Recording& operator=(const Recording&) = delete;
+    ~Recording();
+
+    /// Errors: out_of_memory, vulkan_failure.
+    Result<VkDescriptorSet> add_set(VkDescriptorSetLayout set_layout, std::span<const BoundBuffer> buffers);
+
+    /// `group_count` workgroups, in two dimensions where one does not hold them.
+    template <class Params>
+    void add_dispatch(VkPipeline pipeline, VkDescriptorSet set, uint64_t group_count, const Params& params) {
+        static_assert(sizeof(Params) <= sizeof(Dispatch::push_constants));
+        Dispatch dispatch = {pipeline, set, {}, {}};
+        const uint64_t most = device->properties.limits.maxComputeWorkGroupCount[0];
+        dispatch.groups[1] = static_cast<uint32_t>((group_count - 1) / most + 1);
+        dispatch.groups[0] = static_cast<uint32_t>((group_count - 1) / dispatch.groups[1] + 1);
+        std::memcpy(dispatch.push_constants.data(), &params, sizeof(Params));
+        dispatches.push_back(dispatch);
+    }
+
+    void record(VkCommandBuffer command_buffer) const;
+};
+
+}  // namespace limn::vk

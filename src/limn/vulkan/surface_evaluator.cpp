@@ -1,0 +1,359 @@
+#include "limn/vulkan/surface_evaluator.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "limn/shared/grid_eval_params.h"
+#include "limn/vulkan/recording.h"
+#include "limn_kernels/grid_eval.h"
+#include "limn_kernels/grid_eval_texel.h"
+#include "limn_kernels/patch_eval.h"
+#include "limn_kernels/patch_eval_texel.h"
+
+namespace limn::vk {
+namespace {
+
+using shared::GridEvalParams;
+using shared::PatchEvalParams;
+
+enum KernelName : uint32_t { kGrid, kPatch, kKernelCount };
+constexpr uint32_t kMaxInvocations = 128;  // of a workgroup: what every device has
+
+Error bad(const char* message) {
+    return {ErrorCode::invalid_argument, message};
+}
+
+uint64_t byte_of(const PointBuffer& points, uint64_t point, uint64_t component) {
+    return points.offset_bytes + 4 * (points.first + point * points.stride + component);
+}
+
+Result<void> check_points(const PointBuffer& points, uint32_t width) {
+    if (points.buffer == VK_NULL_HANDLE) return bad("a buffer of points is null");
+    if (points.stride < width) return bad("points overlap: their stride is less than their width");
+    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
+    return {};
+}
+
+Result<void> check(const DevicePatchTable* patches, uint32_t width, const PointBuffer& points) {
+    if (patches == nullptr) return bad("there is no patch table to evaluate");
+    if (width < 1 || width > 4) return bad("points have 1 to 4 components here");
+    return check_points(points, width);
+}
+
+Result<void> check(const GridEvaluationInfo& info) {
+    if (auto checked = check(info.patches, info.width, info.points); !checked) return checked;
+    if (info.grid == nullptr) return bad("there is no grid to evaluate");
+    if (info.grid->ptex_count != info.patches->ptex_count) return bad("the grid is of another patch table");
+    if (auto checked = check_points(info.values, info.width); !checked) return checked;
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE, du = info.du.buffer != VK_NULL_HANDLE,
+               dv = info.dv.buffer != VK_NULL_HANDLE;
+    if (du != dv || (normals && du)) return bad("a grid gives normals, or both du and dv");
+    if ((normals || du) && info.grid->value_count != 3) return bad("the grid was built without derivatives");
+    if (normals && info.width != 3) return bad("normals are of points of three components");
+    for (const PointBuffer* points : {&info.normals, &info.du, &info.dv})
+        if (points->buffer != VK_NULL_HANDLE)
+            if (auto checked = check_points(*points, info.width); !checked) return checked;
+    return {};
+}
+
+/// How the kernels of a device read: through texel buffers on CPUs (evaluator.cpp tells why).
+struct Reads {
+    const VkPhysicalDeviceLimits& limits;
+    bool texel;
+
+    BoundBuffer bind(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format) const {
+        const uint64_t element = format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 4;
+        const uint64_t alignment = std::max<uint64_t>(
+            element, texel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment);
+        begin -= begin % alignment;
+        return {buffer, begin, end - begin,
+                texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
+    }
+    BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
+        begin -= begin % std::max<uint64_t>(4, limits.minStorageBufferOffsetAlignment);
+        return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    Result<void> check(std::span<const BoundBuffer> buffers) const {
+        for (const BoundBuffer& b : buffers) {
+            const uint64_t most =
+                b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                    ? limits.maxStorageBufferRange
+                    : limits.maxTexelBufferElements * (b.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16ull : 4);
+            if (b.size_bytes > most)
+                return Error{ErrorCode::unsupported,
+                             "a surface evaluation needs " + std::to_string(b.size_bytes) +
+                                 " bytes of one buffer at once, and the device binds " +
+                                 std::to_string(most)};
+        }
+        return {};
+    }
+    /// Where component 0 of a point is in a bound buffer, in floats.
+    static uint32_t base(const PointBuffer& points, uint64_t point, const BoundBuffer& bound) {
+        return static_cast<uint32_t>((byte_of(points, point, 0) - bound.offset_bytes) / 4);
+    }
+};
+
+constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
+                   kGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
+
+}  // namespace
+
+struct SurfaceEvaluation::State {
+    Recording recording;
+};
+SurfaceEvaluation::SurfaceEvaluation() : state_(std::make_unique<State>()) {}
+SurfaceEvaluation::SurfaceEvaluation(SurfaceEvaluation&&) noexcept = default;
+SurfaceEvaluation& SurfaceEvaluation::operator=(SurfaceEvaluation&&) noexcept = default;
+SurfaceEvaluation::~SurfaceEvaluation() = default;
+void SurfaceEvaluation::record(VkCommandBuffer command_buffer) const {
+    state_->recording.record(command_buffer);
+}
+uint32_t SurfaceEvaluation::dispatch_count() const {
+    return static_cast<uint32_t>(state_->recording.dispatches.size());
+}
+
+struct SurfaceEvaluator::State {
+    const Device* device = nullptr;
+    Evaluator stencils;
+    Kernel kernels[kKernelCount];
+    bool texel = false;
+    std::mutex mutex;  // guards pipelines
+    std::map<std::pair<KernelName, std::vector<uint32_t>>, VkPipeline> pipelines;
+
+    explicit State(Evaluator evaluator) : stencils(std::move(evaluator)) {}
+    ~State() {
+        for (const auto& [key, pipeline] : pipelines)
+            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
+    }
+    Reads reads() const { return {device->properties.limits, texel}; }
+
+    Result<VkPipeline> pipeline(KernelName name, const std::vector<uint32_t>& constants) {
+        const std::lock_guard lock(mutex);
+        VkPipeline& pipeline = pipelines[{name, constants}];
+        if (pipeline == VK_NULL_HANDLE) {
+            auto created = create_pipeline(kernels[name], constants);
+            if (!created) return created.error();
+            pipeline = *created;
+        }
+        return pipeline;
+    }
+    void begin(KernelName name, uint32_t push_constant_bytes, Recording& recording) const {
+        recording.device = device;
+        recording.layout = kernels[name].layout;
+        recording.push_constant_bytes = push_constant_bytes;
+    }
+};
+
+SurfaceEvaluator::SurfaceEvaluator() = default;
+SurfaceEvaluator::SurfaceEvaluator(SurfaceEvaluator&&) noexcept = default;
+SurfaceEvaluator& SurfaceEvaluator::operator=(SurfaceEvaluator&&) noexcept = default;
+SurfaceEvaluator::~SurfaceEvaluator() = default;
+
+Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
+    auto stencils = Evaluator::create(device);
+    if (!stencils) return stencils.error();
+    SurfaceEvaluator evaluator;
+    evaluator.state_ = std::make_unique<State>(std::move(*stencils));
+    State& state = *evaluator.state_;
+    state.device = &device;
+    state.texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+                  device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+    const VkDescriptorType read =
+        state.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    std::vector<VkDescriptorType> grid(shared::kGridBindingCount, read),
+        patch(shared::kPatchBindingCount, read);
+    for (const uint32_t b :
+         {shared::kGridValuesBinding, shared::kGridSecondBinding, shared::kGridThirdBinding})
+        grid[b] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    for (const uint32_t b : {shared::kPatchResultsBinding, shared::kPatchStatusesBinding})
+        patch[b] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    const auto spirv = [&](std::span<const uint32_t> storage, std::span<const uint32_t> texel) {
+        return state.texel ? texel : storage;
+    };
+    const KernelInfo infos[kKernelCount] = {
+        {spirv(kGridEval, kGridEvalTexel), grid, sizeof(GridEvalParams)},
+        {spirv(kPatchEval, kPatchEvalTexel), patch, sizeof(PatchEvalParams)}};
+    for (uint32_t k = 0; k < kKernelCount; ++k) {
+        auto kernel = create_kernel(device, infos[k]);
+        if (!kernel) return kernel.error();
+        state.kernels[k] = std::move(*kernel);
+    }
+    return evaluator;
+}
+
+Result<StencilEvaluation> SurfaceEvaluator::prepare_points(const SurfacePointsInfo& info) const {
+    if (info.patches == nullptr) return bad("there is no patch table to evaluate");
+    PointBuffer refined = info.points;
+    refined.first += uint64_t{info.patches->first_refined} * info.points.stride;
+    return state_->stencils.prepare({.table = &info.patches->points,
+                                     .width = info.width,
+                                     .source = info.points,
+                                     .destination = refined,
+                                     .storage_only_source = info.storage_only_source});
+}
+
+namespace {
+
+/// What the batches of one pass bind.
+std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& reads, uint32_t pass) {
+    const DeviceGridTable& grid = *info.grid;
+    const uint64_t first = uint64_t{pass} * grid.faces_per_pass * grid.samples_per_face;
+    const uint64_t last =
+        std::min(grid.sample_count(), first + uint64_t{grid.faces_per_pass} * grid.samples_per_face) - 1;
+    auto write = [&](const PointBuffer& points) {
+        const PointBuffer& p = points.buffer != VK_NULL_HANDLE ? points : info.values;
+        return reads.write(p.buffer, byte_of(p, first, 0), byte_of(p, last, info.width));
+    };
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
+    return {reads.bind(info.patches->words.handle, 0, info.patches->words.size_bytes, kWords),
+            reads.bind(grid.words.handle, 0, grid.words.size_bytes, kWords),
+            reads.bind(grid.weights.handle, 0, grid.weights.size_bytes, kGroups),
+            reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
+                       byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
+            write(info.values),
+            write(normals ? info.normals : info.du),
+            write(info.dv)};
+}
+
+GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const BoundBuffer> bound,
+                           const GridBatch& batch) {
+    const uint64_t first = uint64_t{batch.pass} * info.grid->faces_per_pass * info.grid->samples_per_face;
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
+    const PointBuffer& second = normals ? info.normals : info.du;
+    GridEvalParams params = {};
+    params.tile_base = batch.tile_base;
+    params.tile_count = batch.tile_count;
+    params.chunk_count = (batch.sample_count - 1) / kMaxInvocations + 1;
+    params.sample_count = batch.sample_count;
+    params.load_count = batch.group_count > 8 ? batch.group_count / 8 : 1;
+    params.samples_per_face = info.grid->samples_per_face;
+    params.ring_base = info.patches->offsets.ring_points;
+    params.point_base = Reads::base(info.points, 0, bound[shared::kGridPointsBinding]);
+    params.point_stride = info.points.stride;
+    params.value_base = Reads::base(info.values, first, bound[shared::kGridValuesBinding]);
+    params.value_stride = info.values.stride;
+    if (second.buffer != VK_NULL_HANDLE) {
+        params.second_base = Reads::base(second, first, bound[shared::kGridSecondBinding]);
+        params.second_stride = second.stride;
+    }
+    if (!normals && info.dv.buffer != VK_NULL_HANDLE) {
+        params.third_base = Reads::base(info.dv, first, bound[shared::kGridThirdBinding]);
+        params.third_stride = info.dv.stride;
+    }
+    return params;
+}
+
+}  // namespace
+
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInfo& info) const {
+    if (auto checked = check(info); !checked) return checked.error();
+    SurfaceEvaluation evaluation;
+    Recording& recording = evaluation.state_->recording;
+    state_->begin(kGrid, sizeof(GridEvalParams), recording);
+    const uint32_t output = info.normals.buffer != VK_NULL_HANDLE ? shared::kGridOutputNormal
+                            : info.du.buffer != VK_NULL_HANDLE    ? shared::kGridOutputDerivatives
+                                                                  : shared::kGridOutputValue;
+    const uint32_t lanes = state_->texel ? 8 : 32;
+    std::vector<BoundBuffer> bound;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    uint32_t bound_pass = ~0u;
+    for (const GridBatch& batch : info.grid->batches) {
+        if (batch.pass != bound_pass) {
+            bound_pass = batch.pass;
+            bound = bind_grid(info, state_->reads(), batch.pass);
+            if (auto fits = state_->reads().check(bound); !fits) return fits.error();
+            auto added = recording.add_set(state_->kernels[kGrid].set_layout, bound);
+            if (!added) return added.error();
+            set = *added;
+        }
+        const GridEvalParams params = grid_params(info, bound, batch);
+        const uint32_t per_chunk = (batch.sample_count - 1) / params.chunk_count + 1;
+        const uint32_t invocations = std::min(kMaxInvocations, (per_chunk + lanes - 1) / lanes * lanes);
+        auto pipeline =
+            state_->pipeline(kGrid, {std::min(batch.group_count, 8u), output, info.width,
+                                     info.patches->narrow_rings, invocations, info.grid->value_count});
+        if (!pipeline) return pipeline.error();
+        recording.add_dispatch(*pipeline, set, uint64_t{batch.tile_count} * params.chunk_count, params);
+    }
+    return evaluation;
+}
+
+namespace {
+
+Result<void> check(const PatchEvaluationInfo& info) {
+    if (auto checked = check(info.patches, info.width, info.points); !checked) return checked;
+    if (auto checked = check_points(info.results, info.width * value_count(info.derivatives)); !checked)
+        return checked;
+    if (info.samples.buffer == VK_NULL_HANDLE) return bad("the buffer of samples is null");
+    if (info.samples.offset_bytes % 4 != 0) return bad("offset_bytes of samples is not a multiple of 4");
+    if (info.statuses.buffer == VK_NULL_HANDLE) return {};
+    if (info.statuses.stride != 1 || info.statuses.offset_bytes % 4 != 0)
+        return bad("statuses have a stride other than 1, or an offset that is not a multiple of 4");
+    return {};
+}
+
+/// What samples [first, end) bind.
+std::vector<BoundBuffer> bind_samples(const PatchEvaluationInfo& info, const Reads& reads, uint64_t first,
+                                      uint64_t end) {
+    const VkBuffer words = info.patches->words.handle;
+    const uint64_t table_bytes = info.patches->words.size_bytes;
+    const bool statuses = info.statuses.buffer != VK_NULL_HANDLE;
+    const uint32_t width = info.width * value_count(info.derivatives);
+    const BoundBuffer results = reads.write(info.results.buffer, byte_of(info.results, first, 0),
+                                            byte_of(info.results, end - 1, width));
+    return {reads.bind(words, 0, table_bytes, kWords),
+            reads.bind(words, 0, table_bytes, kGroups),
+            reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
+                       byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
+            reads.bind(info.samples.buffer, info.samples.offset_bytes + 12 * first,
+                       info.samples.offset_bytes + 12 * end, kWords),
+            results,
+            statuses ? reads.write(info.statuses.buffer, byte_of(info.statuses, first, 0),
+                                   byte_of(info.statuses, end - 1, 1))
+                     : results};
+}
+
+}  // namespace
+
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluationInfo& info) const {
+    if (auto checked = check(info); !checked) return checked.error();
+    SurfaceEvaluation evaluation;
+    Recording& recording = evaluation.state_->recording;
+    state_->begin(kPatch, sizeof(PatchEvalParams), recording);
+    // As many at once as the device can bind of any of the buffers.
+    const Reads reads = state_->reads();
+    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
+    const uint64_t window = std::max<uint64_t>(1, (reads.limits.maxStorageBufferRange - 256) / largest);
+    const uint32_t values = value_count(info.derivatives);
+    auto pipeline = state_->pipeline(
+        kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
+                 std::max(1u, (info.patches->max_ring_size + 3) & ~3u)});
+    if (!pipeline) return pipeline.error();
+    for (uint64_t first = 0; first < info.samples.count; first += window) {
+        const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);
+        const std::vector<BoundBuffer> bound = bind_samples(info, reads, first, end);
+        if (auto fits = reads.check(bound); !fits) return fits.error();
+        auto set = recording.add_set(state_->kernels[kPatch].set_layout, bound);
+        if (!set) return set.error();
+        PatchEvalParams params = {};
+        params.table = info.patches->offsets;
+        params.ptex_count = info.patches->ptex_count;
+        params.sample_count = static_cast<uint32_t>(end - first);
+        params.first_sample = static_cast<uint32_t>(
+            (info.samples.offset_bytes + 12 * first - bound[shared::kPatchSamplesBinding].offset_bytes) / 4);
+        params.point_base = Reads::base(info.points, 0, bound[shared::kPatchPointsBinding]);
+        params.point_stride = info.points.stride;
+        params.result_base = Reads::base(info.results, first, bound[shared::kPatchResultsBinding]);
+        params.result_stride = info.results.stride;
+        params.status_base = info.statuses.buffer == VK_NULL_HANDLE
+                                 ? shared::kPatchNoStatus
+                                 : Reads::base(info.statuses, first, bound[shared::kPatchStatusesBinding]);
+        recording.add_dispatch(*pipeline, *set,
+                               (end - first + shared::kPatchWorkgroupSize - 1) / shared::kPatchWorkgroupSize,
+                               params);
+    }
+    return evaluation;
+}
+
+}  // namespace limn::vk

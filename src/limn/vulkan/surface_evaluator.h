@@ -1,0 +1,96 @@
+// The limit surface on the device: level-1 points, grids of a fixed rate, and lists of samples.
+//
+// A frame: the caller writes control points; prepare_points makes the level-1 points behind them; a barrier;
+// then grids and samples, in any order.
+#pragma once
+
+#include "limn/evaluate.h"
+#include "limn/vulkan/evaluator.h"
+#include "limn/vulkan/surface_tables.h"
+
+namespace limn::vk {
+
+/// patches->point_count points: the caller's control points and, behind them, room for those of level 1.
+struct SurfacePointsInfo {
+    const DevicePatchTable* patches = nullptr;
+    uint32_t width = 3;                ///< floats per point, 1 or more
+    PointBuffer points = {};           ///< kSourceUsage
+    bool storage_only_source = false;  ///< as StencilEvaluationInfo
+};
+
+/// Sample s (GridTable says which place that is) of a destination is its point s. What belongs to holes is
+/// left alone. Where tangents do not span a plane a normal is that of the surface's corners; it is a unit
+/// vector in any case.
+struct GridEvaluationInfo {
+    const DevicePatchTable* patches = nullptr;
+    const DeviceGridTable* grid = nullptr;
+    uint32_t width = 3;        ///< 1 to 4
+    PointBuffer points = {};   ///< patches->point_count points; kSourceUsage
+    PointBuffer values = {};   ///< grid->sample_count() points; STORAGE_BUFFER usage, as the next three
+    PointBuffer normals = {};  ///< optional (null buffer): width 3, and a grid with derivatives
+    PointBuffer du = {};       ///< optional: both or none, and no normals
+    PointBuffer dv = {};
+};
+
+/// A list of samples in a buffer of the caller's: sample s is the words at offset_bytes + 12 * s: the ptex
+/// face as uint32, u and v as floats.
+struct SampleBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;  ///< kSourceUsage
+    VkDeviceSize offset_bytes = 0;     ///< a multiple of 4
+    uint32_t count = 0;
+};
+
+/// Value k (evaluate.h: value, du, dv, duu, duv, dvv), component i of sample s is float k * width + i of
+/// point s of `results`; as evaluate_patches, in float. One record for each sample: zeros where the status is
+/// not valid.
+struct PatchEvaluationInfo {
+    const DevicePatchTable* patches = nullptr;
+    Derivatives derivatives = Derivatives::first;
+    uint32_t width = 3;       ///< 1 to 4
+    PointBuffer points = {};  ///< patches->point_count points; kSourceUsage
+    SampleBuffer samples = {};
+    PointBuffer results = {};   ///< the stride is at least value_count(derivatives) * width
+    PointBuffer statuses = {};  ///< optional: SampleStatus as uint32 for each sample; only stride 1
+};
+
+/// An evaluation with all that it needs bound: record it as often as wanted. What StencilEvaluation says
+/// holds for it, too.
+class SurfaceEvaluation {
+  public:
+    SurfaceEvaluation(SurfaceEvaluation&&) noexcept;
+    SurfaceEvaluation& operator=(SurfaceEvaluation&&) noexcept;
+    ~SurfaceEvaluation();
+    /// Before: points and samples visible to kKernelReads, earlier uses of destinations done. Owed after: a
+    /// barrier from kKernelWrites.
+    void record(VkCommandBuffer command_buffer) const;
+    uint32_t dispatch_count() const;
+
+  private:
+    friend class SurfaceEvaluator;
+    SurfaceEvaluation();
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The pipelines of a device. Must outlive its evaluations; may be used by several threads at once.
+class SurfaceEvaluator {
+  public:
+    /// Errors: out_of_memory, vulkan_failure.
+    static Result<SurfaceEvaluator> create(const Device& device);
+    SurfaceEvaluator(SurfaceEvaluator&&) noexcept;
+    SurfaceEvaluator& operator=(SurfaceEvaluator&&) noexcept;
+    ~SurfaceEvaluator();
+
+    /// Errors, of all three: invalid_argument (null, width, strides, offsets), unsupported (more than the
+    /// device can bind at once: of a grid's destination, one pass), out_of_memory, vulkan_failure.
+    Result<StencilEvaluation> prepare_points(const SurfacePointsInfo& info) const;
+    Result<SurfaceEvaluation> prepare_grid(const GridEvaluationInfo& info) const;
+    Result<SurfaceEvaluation> prepare_samples(const PatchEvaluationInfo& info) const;
+
+  private:
+    SurfaceEvaluator();
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace limn::vk

@@ -1,0 +1,201 @@
+#include "limn/vulkan/surface_tables.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+#include "limn/shared/grid_eval_params.h"
+
+namespace limn::vk {
+namespace {
+
+constexpr VkBufferUsageFlags kTableUsage = kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+
+/// A device buffer, and where the host writes its contents: through `staging` where it is not mapped.
+Result<std::pair<Buffer, void*>> create_table_buffer(const Device& device, VkCommandBuffer command_buffer,
+                                                     VkDeviceSize size_bytes, std::vector<Buffer>& staging) {
+    size_bytes = std::max<VkDeviceSize>(size_bytes, 16);
+    auto buffer = create_buffer(device, size_bytes, kTableUsage, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    void* words = buffer->mapped();
+    if (words == nullptr) {
+        auto upload = create_buffer(device, size_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::upload);
+        if (!upload) return upload.error();
+        words = upload->mapped();
+        const VkBufferCopy region = {0, 0, size_bytes};
+        device.functions.CmdCopyBuffer(command_buffer, upload->handle, buffer->handle, 1, &region);
+        record_barrier(device, command_buffer, kCopyWrites, kKernelReads);
+        staging.push_back(std::move(*upload));
+    }
+    return std::pair(std::move(*buffer), words);
+}
+
+/// An array of a table and where it goes.
+struct Section {
+    const void* data;
+    size_t bytes;
+    uint32_t* offset;
+};
+
+/// Words of all sections, each from a multiple of four.
+uint64_t place(std::span<const Section> sections) {
+    uint64_t words = 0;
+    for (const Section& s : sections) {
+        *s.offset = static_cast<uint32_t>(words);
+        words += (s.bytes + 15) / 16 * 4;
+    }
+    return words;
+}
+
+}  // namespace
+
+Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                   const PatchTable& table) {
+    PatchTableUpload upload;
+    DevicePatchTable& out = upload.table;
+    out.scheme = table.options.scheme;
+    out.control_count = table.control_count;
+    out.first_refined = table.first_refined;
+    out.point_count = table.point_count();
+    out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
+    out.narrow_rings = table.ring_points.narrow;
+    for (const Plan& plan : table.plans) out.max_ring_size = std::max(out.max_ring_size, plan.ring_size);
+    const auto section = [](const auto& array, uint32_t& offset) {
+        return Section{array.data(), array.bytes(), &offset};
+    };
+    const Section sections[] = {section(table.ptex_surfaces, out.offsets.ptex_surfaces),
+                                section(table.surfaces, out.offsets.surfaces),
+                                section(table.ring_points.words, out.offsets.ring_points),
+                                section(table.plans, out.offsets.plans),
+                                section(table.plan_nodes, out.offsets.plan_nodes),
+                                section(table.plan_points, out.offsets.plan_points),
+                                section(table.plan_weights, out.offsets.plan_weights)};
+    const uint64_t words = place(sections);
+    if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a patch table of 2^32 words or more"};
+    auto buffer = create_table_buffer(device, command_buffer, words * 4, upload.staging);
+    if (!buffer) return buffer.error();
+    out.words = std::move(buffer->first);
+    for (const Section& s : sections)
+        if (s.bytes != 0) std::memcpy(static_cast<uint32_t*>(buffer->second) + *s.offset, s.data, s.bytes);
+    if (table.refined_count == 0) return upload;
+    auto points = record_stencil_table_upload(device, command_buffer, build_point_table(table));
+    if (!points) return points.error();
+    out.points = std::move(points->table);
+    upload.staging.push_back(std::move(points->staging));
+    return upload;
+}
+
+namespace {
+
+struct GridWords {
+    std::vector<uint32_t> words;
+    std::vector<GridBatch> batches;
+};
+
+void append_placements(const GridTable& table, std::vector<uint32_t>& words, std::vector<uint32_t>& offsets) {
+    for (size_t p = 0; p < table.placements.size(); ++p) {
+        const GridPlacement& placement = table.placements[p];
+        const size_t end =
+            p + 1 < table.placements.size() ? table.placements[p + 1].first : table.placement_samples.size();
+        offsets.push_back(static_cast<uint32_t>(words.size()));
+        for (const int32_t x : {placement.uu, placement.uv, placement.vu, placement.vv})
+            words.push_back(static_cast<uint32_t>(x));
+        words.insert(words.end(), table.placement_samples.begin() + placement.first,
+                     table.placement_samples.begin() + end);
+    }
+}
+
+void append_tile(const GridTable& table, std::span<const GridSurface> surfaces,
+                 const std::vector<uint32_t>& placements, std::vector<uint32_t>& words) {
+    const GridClass& c = table.classes[surfaces[0].grid_class];
+    const size_t end = words.size() + shared::kGridTileWords;
+    words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size,
+                               c.corner_slots[0] | c.corner_slots[1] << 8 | c.corner_slots[2] << 16 |
+                                   c.corner_slots[3] << 24});
+    for (const GridSurface& s : surfaces)
+        words.insert(words.end(),
+                     {s.first_ring, s.ptex_face % table.faces_per_pass, placements[s.placement]});
+    words.resize(end, 0);
+}
+
+/// Tiles of each pass: those that one dispatch can take follow each other.
+GridWords lay_out(const GridTable& table) {
+    GridWords out;
+    std::vector<uint32_t> placements;
+    append_placements(table, out.words, placements);
+    auto pass_of = [&](const GridSurface& s) { return s.ptex_face / table.faces_per_pass; };
+    for (size_t begin = 0, end = 0; begin < table.surfaces.size(); begin = end) {
+        const uint32_t pass = pass_of(table.surfaces[begin]);
+        std::map<std::pair<uint32_t, uint32_t>, std::vector<std::span<const GridSurface>>> tiles;
+        while (end < table.surfaces.size() && pass_of(table.surfaces[end]) == pass) {
+            const size_t first = end;
+            const uint32_t grid_class = table.surfaces[first].grid_class;
+            while (end < table.surfaces.size() && end - first < shared::kGridTileSurfaces &&
+                   table.surfaces[end].grid_class == grid_class && pass_of(table.surfaces[end]) == pass)
+                ++end;
+            const GridClass& c = table.classes[grid_class];
+            tiles[{c.group_count, c.sample_count}].push_back({table.surfaces.data() + first, end - first});
+        }
+        for (const auto& [key, list] : tiles) {
+            out.batches.push_back({key.first, key.second, pass, static_cast<uint32_t>(out.words.size()),
+                                   static_cast<uint32_t>(list.size())});
+            for (const auto& tile : list) append_tile(table, tile, placements, out.words);
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                 const GridTable& table) {
+    GridTableUpload upload;
+    DeviceGridTable& out = upload.table;
+    out.rate = table.rate;
+    out.value_count = table.value_count;
+    out.ptex_count = table.ptex_count;
+    out.samples_per_face = table.samples_per_face;
+    out.faces_per_pass = table.faces_per_pass;
+    GridWords grid = lay_out(table);
+    if (grid.words.size() > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
+    out.batches = std::move(grid.batches);
+    auto words = create_table_buffer(device, command_buffer, grid.words.size() * 4, upload.staging);
+    if (!words) return words.error();
+    out.words = std::move(words->first);
+    if (!grid.words.empty()) std::memcpy(words->second, grid.words.data(), grid.words.size() * 4);
+    auto weights = create_table_buffer(device, command_buffer, table.weights.bytes(), upload.staging);
+    if (!weights) return weights.error();
+    out.weights = std::move(weights->first);
+    if (!table.weights.empty()) std::memcpy(weights->second, table.weights.data(), table.weights.bytes());
+    return upload;
+}
+
+namespace {
+
+template <class Record>
+auto upload_and_wait(const Device& device, const Record& record)
+    -> Result<decltype(record(VkCommandBuffer{})->table)> {
+    auto commands = Commands::begin(device);
+    if (!commands) return commands.error();
+    auto upload = record(commands->handle());
+    if (!upload) return upload.error();
+    const bool copies = std::any_of(upload->staging.begin(), upload->staging.end(),
+                                    [](const Buffer& b) { return b.handle != VK_NULL_HANDLE; });
+    if (copies)
+        if (auto submitted = commands->submit_and_wait(); !submitted) return submitted.error();
+    return std::move(upload->table);
+}
+
+}  // namespace
+
+Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table) {
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_patch_table_upload(device, commands, table); });
+}
+
+Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table) {
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_grid_table_upload(device, commands, table); });
+}
+
+}  // namespace limn::vk

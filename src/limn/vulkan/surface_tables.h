@@ -1,0 +1,75 @@
+// Patch and grid tables in device memory: uploaded once per topology, read by every evaluation.
+#pragma once
+
+#include "limn/grid_table.h"
+#include "limn/patch_table.h"
+#include "limn/shared/patch_eval_params.h"
+#include "limn/vulkan/device_tables.h"
+
+namespace limn::vk {
+
+/// A patch table as kernels read it: limn/shared/patch_eval_params.h. Immutable once uploaded; outlives the
+/// evaluations that use it.
+struct DevicePatchTable {
+    Scheme scheme = Scheme::catmull_clark;
+    uint32_t control_count = 0;
+    uint32_t first_refined = 0;  ///< the first of the level-1 points
+    uint32_t point_count = 0;    ///< up to the last of them
+    uint32_t ptex_count = 0;
+    bool narrow_rings = false;
+    uint32_t max_ring_size = 0;
+    shared::PatchTableOffsets offsets = {};
+    Buffer words;
+    DeviceStencilTable points;  ///< makes the level-1 points; no rows where there are none
+
+    /// Device memory.
+    VkDeviceSize bytes() const { return words.size_bytes + points.bytes(); }
+};
+
+/// The classes of one dispatch of a grid: those with equal rings and sample counts.
+struct GridBatch {
+    uint32_t group_count;  ///< as GridClass
+    uint32_t sample_count;
+    uint32_t pass;
+    uint32_t tile_base;  ///< words
+    uint32_t tile_count;
+};
+
+/// A grid table as kernels read it: limn/shared/grid_eval_params.h. It samples one DevicePatchTable.
+struct DeviceGridTable {
+    uint32_t rate = 0;
+    uint32_t value_count = 0;
+    uint32_t ptex_count = 0;
+    uint32_t samples_per_face = 0;
+    uint32_t faces_per_pass = 0;
+    std::vector<GridBatch> batches;
+    Buffer words;
+    Buffer weights;
+
+    uint64_t sample_count() const { return uint64_t{ptex_count} * samples_per_face; }
+    VkDeviceSize bytes() const { return words.size_bytes + weights.size_bytes; }
+};
+
+/// A table whose upload has been recorded, and the staging memory it is read from: keep that until the
+/// commands have completed (it is empty where the device shares memory with the host).
+struct PatchTableUpload {
+    DevicePatchTable table;
+    std::vector<Buffer> staging;
+};
+struct GridTableUpload {
+    DeviceGridTable table;
+    std::vector<Buffer> staging;
+};
+
+/// Record the upload into the caller's command buffer, barrier to kernel reads included.
+/// Errors: out_of_memory, too_large (2^32 words), vulkan_failure.
+Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                   const PatchTable& table);
+Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                 const GridTable& table);
+
+/// The same, submitted to Device::queue and waited for.
+Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table);
+Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table);
+
+}  // namespace limn::vk
