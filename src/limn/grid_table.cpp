@@ -108,17 +108,15 @@ using ClassKey = std::pair<uint32_t, uint32_t>;
 template <class Real>
 GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size_t sample_count) {
     const uint32_t ring = table.plans[plan].ring_size;
-    GridClass c{ring, (ring + 3) / 4, static_cast<uint32_t>(sample_count), 0, {0, 1, 2, 3}};
+    GridClass c{ring, (ring + 3) / 4, static_cast<uint32_t>(sample_count), 0, shared::kGridCornersFirst};
     if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
     // Rings begin with the corners, except for those of patches.
-    const PlanNode& root = table.plan_nodes[table.plans[plan].first_node];
-    constexpr uint32_t bicubic[4] = {5, 6, 10, 9}, box_spline[4] = {4, 5, 8, 8};
+    const PlanNodeKind root = table.plan_nodes[table.plans[plan].first_node].kind();
     const bool regular = table.plans[plan].row_count == ring &&
-                         ring == shared::patch_point_count(static_cast<uint32_t>(root.kind()));
-    if (regular && root.kind() == PlanNodeKind::bicubic) std::copy_n(bicubic, 4, c.corner_slots);
-    if (regular && root.kind() == PlanNodeKind::box_spline) std::copy_n(box_spline, 4, c.corner_slots);
-    if (table.options.scheme == Scheme::loop && !regular) c.corner_slots[3] = 2;
-    if (root.kind() == PlanNodeKind::linear) c.corner_slots[3] = 2;
+                         ring == shared::patch_point_count(static_cast<uint32_t>(root));
+    if (table.options.scheme == Scheme::loop) c.corners = shared::kGridCornersTriangle;
+    if (regular && root == PlanNodeKind::bicubic) c.corners = shared::kGridCornersBicubic;
+    if (regular && root == PlanNodeKind::box_spline) c.corners = shared::kGridCornersBoxSpline;
     return c;
 }
 

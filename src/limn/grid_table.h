@@ -7,6 +7,7 @@
 
 #include "limn/evaluate.h"
 #include "limn/patch_table.h"
+#include "limn/shared/grid_eval_params.h"
 
 namespace limn {
 
@@ -30,7 +31,7 @@ struct GridClass {
     uint32_t group_count;  ///< groups of four ring points; more than 8 are a multiple of 8. Padding weighs 0
     uint32_t sample_count;
     uint32_t first_weight;     ///< in groups of four
-    uint32_t corner_slots[4];  ///< ring points at the surface's corners, counter-clockwise; of triangles 3
+    uint32_t corners;          ///< which ring points are at the surface's corners: shared::kGridCorners...
 };
 
 /// Where a surface's samples go, and how its derivatives are turned: sample s is sample

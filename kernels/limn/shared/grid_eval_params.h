@@ -2,7 +2,7 @@
 //
 // The grid buffer is an array of words. A tile is up to kGridTileSurfaces surfaces of one class (grid_table.h), at
 // tile_base + tile * kGridTileWords:
-//   [0] first weight, in groups of four   [1] surfaces   [2] ring points   [3] corner slots, 8 bits each
+//   [0] first weight, in groups of four   [1] surfaces   [2] ring points   [3] 0
 //   [4 + 3 t ..] of surface t: its first ring point, its ptex face counted from the first of the pass, its placement
 // A placement is 4 words, the signed integers uu, uv, vu, vv, and then a word for each sample: which sample of its ptex
 // face it is, or kGridNoSample.
@@ -27,6 +27,14 @@ const uint kGridWidthConstant = 2;       // components, 1 to 4
 const uint kGridNarrowConstant = 3;      // 1: ring points are 16-bit indices
 const uint kGridInvocationsConstant = 4;  // of a workgroup
 const uint kGridValueCountConstant = 5;   // of the weights: 1, or 3 with derivatives
+const uint kGridLoadsConstant = 6;        // how often `groups` ring points are loaded
+
+const uint kGridCornersConstant = 7;
+// Which ring points are at the surface's corners.
+const uint kGridCornersBicubic = 0;
+const uint kGridCornersBoxSpline = 1;
+const uint kGridCornersTriangle = 2;  // the first three
+const uint kGridCornersFirst = 3;     // the first four
 
 const uint kGridOutputValue = 0;
 const uint kGridOutputNormal = 1;  // width 3
@@ -43,7 +51,6 @@ struct GridEvalParams {
     uint tile_count;
     uint chunk_count;  // workgroups per tile
     uint sample_count;
-    uint load_count;  // times that `groups` ring points are loaded
     uint samples_per_face;
     uint ring_base;  // words
     uint point_base;
@@ -55,7 +62,7 @@ struct GridEvalParams {
     uint third_base;
     uint third_stride;
 };
-LIMN_LAYOUT(GridEvalParams, 60)
+LIMN_LAYOUT(GridEvalParams, 56)
 
 LIMN_SHARED_END
 #endif

@@ -226,7 +226,6 @@ GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const Bound
     params.tile_count = batch.tile_count;
     params.chunk_count = (batch.sample_count - 1) / kMaxInvocations + 1;
     params.sample_count = batch.sample_count;
-    params.load_count = batch.group_count > 8 ? batch.group_count / 8 : 1;
     params.samples_per_face = info.grid->samples_per_face;
     params.ring_base = info.patches->offsets.ring_points;
     params.point_base = Reads::base(info.points, 0, bound[shared::kGridPointsBinding]);
@@ -272,7 +271,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
         const uint32_t invocations = std::min(kMaxInvocations, (per_chunk + lanes - 1) / lanes * lanes);
         auto pipeline =
             state_->pipeline(kGrid, {std::min(batch.group_count, 8u), output, info.width,
-                                     info.patches->narrow_rings, invocations, info.grid->value_count});
+                                     info.patches->narrow_rings, invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners});
         if (!pipeline) return pipeline.error();
         recording.add_dispatch(*pipeline, set, uint64_t{batch.tile_count} * params.chunk_count, params);
     }

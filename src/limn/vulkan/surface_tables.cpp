@@ -1,6 +1,7 @@
 #include "limn/vulkan/surface_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 
@@ -109,9 +110,7 @@ void append_tile(const GridTable& table, std::span<const GridSurface> surfaces,
                  const std::vector<uint32_t>& placements, std::vector<uint32_t>& words) {
     const GridClass& c = table.classes[surfaces[0].grid_class];
     const size_t end = words.size() + shared::kGridTileWords;
-    words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size,
-                               c.corner_slots[0] | c.corner_slots[1] << 8 | c.corner_slots[2] << 16 |
-                                   c.corner_slots[3] << 24});
+    words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size, 0});
     for (const GridSurface& s : surfaces)
         words.insert(words.end(),
                      {s.first_ring, s.ptex_face % table.faces_per_pass, placements[s.placement]});
@@ -126,7 +125,7 @@ GridWords lay_out(const GridTable& table) {
     auto pass_of = [&](const GridSurface& s) { return s.ptex_face / table.faces_per_pass; };
     for (size_t begin = 0, end = 0; begin < table.surfaces.size(); begin = end) {
         const uint32_t pass = pass_of(table.surfaces[begin]);
-        std::map<std::pair<uint32_t, uint32_t>, std::vector<std::span<const GridSurface>>> tiles;
+        std::map<std::array<uint32_t, 3>, std::vector<std::span<const GridSurface>>> tiles;
         while (end < table.surfaces.size() && pass_of(table.surfaces[end]) == pass) {
             const size_t first = end;
             const uint32_t grid_class = table.surfaces[first].grid_class;
@@ -134,10 +133,10 @@ GridWords lay_out(const GridTable& table) {
                    table.surfaces[end].grid_class == grid_class && pass_of(table.surfaces[end]) == pass)
                 ++end;
             const GridClass& c = table.classes[grid_class];
-            tiles[{c.group_count, c.sample_count}].push_back({table.surfaces.data() + first, end - first});
+            tiles[{c.group_count, c.sample_count, c.corners}].push_back({table.surfaces.data() + first, end - first});
         }
         for (const auto& [key, list] : tiles) {
-            out.batches.push_back({key.first, key.second, pass, static_cast<uint32_t>(out.words.size()),
+            out.batches.push_back({key[0], key[1], key[2], pass, static_cast<uint32_t>(out.words.size()),
                                    static_cast<uint32_t>(list.size())});
             for (const auto& tile : list) append_tile(table, tile, placements, out.words);
         }

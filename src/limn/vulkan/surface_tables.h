@@ -26,10 +26,11 @@ struct DevicePatchTable {
     VkDeviceSize bytes() const { return words.size_bytes + points.bytes(); }
 };
 
-/// The classes of one dispatch of a grid: those with equal rings and sample counts.
+/// The classes of one dispatch of a grid: those with equal group and sample counts and corners.
 struct GridBatch {
     uint32_t group_count;  ///< as GridClass
     uint32_t sample_count;
+    uint32_t corners;
     uint32_t pass;
     uint32_t tile_base;  ///< words
     uint32_t tile_count;
