@@ -58,14 +58,15 @@ struct Evaluator {
 }  // namespace
 
 std::unique_ptr<const OsdPatches> build_osd_patches(const OsdMesh& mesh, uint32_t isolation_level) {
-    const OsdRefiner refiner = mesh.create();
-    if (!refiner) return nullptr;
-    const Far::PatchTableFactory::Options options = patch_options(isolation_level);
-    refiner->RefineAdaptive(options.GetRefineAdaptiveOptions());
     auto built = std::make_unique<OsdPatches>();
-    built->control_count = static_cast<uint32_t>(refiner->GetLevel(0).GetNumVertices());
-    built->patches.reset(Far::PatchTableFactory::Create(*refiner, options));
-    built->stencils = build_stencils(*refiner, *built->patches);
+    built->refiner = mesh.create();
+    if (!built->refiner) return nullptr;
+    Far::TopologyRefiner& refiner = *built->refiner;
+    const Far::PatchTableFactory::Options options = patch_options(isolation_level);
+    refiner.RefineAdaptive(options.GetRefineAdaptiveOptions());
+    built->control_count = static_cast<uint32_t>(refiner.GetLevel(0).GetNumVertices());
+    built->patches.reset(Far::PatchTableFactory::Create(refiner, options));
+    built->stencils = build_stencils(refiner, *built->patches);
     return built;
 }
 

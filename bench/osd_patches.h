@@ -20,6 +20,7 @@ namespace limn::bench {
 /// Everything that OpenSubdiv's evaluators take: feature-adaptive patches, Gregory at their ends, and
 /// stencils over the control points for refined points and those of the ends.
 struct OsdPatches {
+    OsdRefiner refiner;  ///< kept, so that freeing it is no part of what building takes
     std::unique_ptr<const OpenSubdiv::Far::PatchTable> patches;
     std::unique_ptr<const OpenSubdiv::Far::StencilTable> stencils;
     uint32_t control_count = 0;
