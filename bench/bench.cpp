@@ -151,7 +151,7 @@ Tolerance tolerance_for(const std::vector<float>& positions) {
     }
     const float ulp = std::nextafter(largest, INFINITY) - largest;
     return {1e-12 * static_cast<double>(size),
-            2e-6 * static_cast<double>(size) + 4 * static_cast<double>(ulp)};
+            2e-6 * static_cast<double>(size) + 4 * static_cast<double>(ulp), static_cast<double>(size)};
 }
 
 double measure_host_copy(const Options& options, uint32_t thread_count) {

@@ -64,6 +64,7 @@ double largest_difference(const std::vector<float>& a, const std::vector<double>
 /// How far points may be from the truth, for x y z triples of this size: in double, and in float.
 struct Tolerance {
     double in_double, in_float;
+    double size;  ///< the largest side of the bounding box
 };
 Tolerance tolerance_for(const std::vector<float>& positions);
 
@@ -75,7 +76,7 @@ struct Row {
     std::string name = {};  ///< refine/rook/level=4/composed
     std::optional<Timing> limn = {}, peer = {};
     std::optional<Timing> device = {};  ///< of limn, by the device's own clock
-    double items = 0;      ///< rows of the table: rates are for limn, or for the peer where limn is not given
+    double items = 0;      ///< rows of the table, say: rates are for limn, or for the peer without limn
     double entries = 0;    ///< nonzeros
     double bytes = 0;      ///< that must move at least
     double copy_rate = 0;  ///< bytes per second of a plain copy on the same device
@@ -85,9 +86,9 @@ struct Row {
 /// Prints rows as they come, and keeps them for --json.
 class Report {
   public:
-    /// `facts`: lines of the header beside host, compiler and commit.
+    /// `facts`: lines of the header beside host, compiler and commit. `items`: what Row::items counts.
     using Facts = std::vector<std::pair<std::string, std::string>>;
-    Report(const Options& options, std::string benchmark, Facts facts);
+    Report(const Options& options, std::string benchmark, Facts facts, std::string items = "rows");
     void add(const Row& row);
     void add_text(const std::string& line) const;
     /// Writes the JSON file when asked for. Errors: cannot_open.
@@ -97,6 +98,7 @@ class Report {
     const Options& options_;
     std::string benchmark_;
     Facts facts_;
+    std::string items_;
     std::vector<Row> rows_;
 };
 

@@ -5,26 +5,19 @@
 
 #include "limn/file.h"
 #include "limn/obj.h"
+#include "limn/topology.h"
 
 namespace limn::bench {
 namespace {
-
-/// The same numbers on every machine, in [0, 1).
-double noise(uint64_t i) {
-    i = (i + 1) * 0x9E3779B97F4A7C15u;
-    i = (i ^ i >> 30) * 0xBF58476D1CE4E5B9u;
-    i = (i ^ i >> 27) * 0x94D049BB133111EBu;
-    return static_cast<double>(i >> 40) / static_cast<double>(1u << 24);
-}
 
 uint32_t add_vertex(Model& model, double x, double y, double z) {
     for (const double value : {x, y, z}) model.positions.push_back(static_cast<float>(value));
     return static_cast<uint32_t>(model.vertex_count() - 1);
 }
 
-void add_face(Model& model, std::initializer_list<uint32_t> vertices) {
+void add_face(Model& model, const std::vector<uint32_t>& vertices) {
     model.face_sizes.push_back(static_cast<uint32_t>(vertices.size()));
-    model.face_vertices.insert(model.face_vertices.end(), vertices);
+    model.face_vertices.insert(model.face_vertices.end(), vertices.begin(), vertices.end());
 }
 
 /// An uneven torus of around x across vertices.
@@ -81,26 +74,88 @@ Model make_creased_torus(const Torus& torus) {
     return model;
 }
 
-/// Quads, some cut into triangles, some merged with the next one.
+/// A quad, or two triangles instead.
+void add_cell(Model& model, const Torus& torus, uint32_t i, uint32_t j) {
+    const uint32_t a = torus.vertex(i, j), b = torus.vertex(i + 1, j), c = torus.vertex(i + 1, j + 1),
+                   d = torus.vertex(i, j + 1);
+    const double choice = noise(a + 1'000'000);
+    if (choice >= 0.24) return add_face(model, {a, b, c, d});
+    const bool flip = choice < 0.12;
+    add_face(model, {a, b, flip ? d : c});
+    add_face(model, {flip ? b : a, c, d});
+}
+
+/// The vertices around width x height cells.
+std::vector<uint32_t> border_of_cells(const Torus& torus, uint32_t i, uint32_t j, uint32_t width,
+                                      uint32_t height) {
+    std::vector<uint32_t> border;
+    for (uint32_t k = 0; k < width; ++k) border.push_back(torus.vertex(i + k, j));
+    for (uint32_t k = 0; k < height; ++k) border.push_back(torus.vertex(i + width, j + k));
+    for (uint32_t k = 0; k < width; ++k) border.push_back(torus.vertex(i + width - k, j + height));
+    for (uint32_t k = 0; k < height; ++k) border.push_back(torus.vertex(i, j + height - k));
+    return border;
+}
+
+/// Twelve triangles around one vertex, in the place of 3 x 3 cells.
+void add_fan(Model& model, const Torus& torus, uint32_t i, uint32_t j) {
+    const uint32_t hub = torus.vertex(i + 1, j + 1);
+    const uint32_t inner[4] = {hub, torus.vertex(i + 2, j + 1), torus.vertex(i + 2, j + 2),
+                               torus.vertex(i + 1, j + 2)};
+    for (size_t axis = 0; axis < 3; ++axis) {
+        float sum = 0;
+        for (const uint32_t v : inner) sum += model.positions[3 * v + axis];
+        model.positions[3 * hub + axis] = sum / 4;
+    }
+    const std::vector<uint32_t> border = border_of_cells(torus, i, j, 3, 3);
+    for (size_t k = 0; k < border.size(); ++k)
+        add_face(model, {border[k], border[(k + 1) % border.size()], hub});
+}
+
+/// Fills 4 x 4 cells: a fan, an octagon, a hexagon or a pentagon, and cells beside it. The last row and
+/// column are always cells, so that no vertex is left with two edges.
+void add_messy_block(Model& model, const Torus& torus, uint32_t i, uint32_t j) {
+    const double choice = noise(torus.vertex(i, j) + 2'000'000);
+    uint32_t width = 2, height = 1;  // of what is not cells
+    if (choice < 0.2) {
+        add_fan(model, torus, i, j);
+        width = height = 3;
+    } else if (choice < 0.4) {
+        add_face(model, border_of_cells(torus, i, j, 2, 2));
+        height = 2;
+    } else if (choice < 0.7) {
+        add_face(model, border_of_cells(torus, i, j, 2, 1));
+    } else {
+        const uint32_t middle = torus.vertex(i + 1, j + 1), right = torus.vertex(i + 2, j);
+        add_face(model, {torus.vertex(i, j), torus.vertex(i + 1, j), right, middle, torus.vertex(i, j + 1)});
+        add_face(model, {right, torus.vertex(i + 2, j + 1), middle});
+    }
+    for (uint32_t k = 0; k < 4; ++k)
+        for (uint32_t l = 0; l < 4; ++l)
+            if (k >= width || l >= height) add_cell(model, torus, i + k, j + l);
+}
+
+void remove_unused_vertices(Model& model) {
+    std::vector<uint32_t> next(model.vertex_count(), kInvalidIndex);
+    for (const uint32_t v : model.face_vertices) next[v] = 0;
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < next.size(); ++v) {
+        if (next[v] == kInvalidIndex) continue;
+        for (size_t axis = 0; axis < 3; ++axis)
+            model.positions[3 * count + axis] = model.positions[3 * v + axis];
+        next[v] = count++;
+    }
+    model.positions.resize(size_t{3} * count);
+    for (uint32_t& v : model.face_vertices) v = next[v];
+}
+
+/// What production meshes can be at their worst: triangles, quads and larger faces, valences 3 to 12, hardly
+/// a regular face. `torus`: multiples of 4.
 Model make_messy_torus(const Torus& torus) {
     Model model;
     torus.add_vertices(model);
-    for (uint32_t i = 0; i < torus.around; ++i)
-        for (uint32_t j = 0; j < torus.across; ++j) {
-            const uint32_t a = torus.vertex(i, j), b = torus.vertex(i + 1, j), c = torus.vertex(i + 1, j + 1),
-                           d = torus.vertex(i, j + 1);
-            const double choice = noise(a + 1'000'000);
-            if (choice < 0.6) {
-                const bool flip = choice < 0.3;
-                add_face(model, {a, b, flip ? d : c});
-                add_face(model, {flip ? b : a, c, d});
-            } else if (choice < 0.8 && j + 1 < torus.across) {
-                add_face(model, {a, b, c, torus.vertex(i + 1, j + 2), torus.vertex(i, j + 2), d});
-                ++j;
-            } else {
-                add_face(model, {a, b, c, d});
-            }
-        }
+    for (uint32_t i = 0; i < torus.around; i += 4)
+        for (uint32_t j = 0; j < torus.across; j += 4) add_messy_block(model, torus, i, j);
+    remove_unused_vertices(model);
     return model;
 }
 
@@ -123,6 +178,13 @@ std::string stem(const std::string& path) {
 
 }  // namespace
 
+double noise(uint64_t i) {
+    i = (i + 1) * 0x9E3779B97F4A7C15u;
+    i = (i ^ i >> 30) * 0xBF58476D1CE4E5B9u;
+    i = (i ^ i >> 27) * 0x94D049BB133111EBu;
+    return static_cast<double>(i >> 40) / static_cast<double>(1u << 24);
+}
+
 std::vector<BenchModel> load_models(const Options& options) {
     std::vector<BenchModel> models;
     for (const std::string& path : options.models)
@@ -130,7 +192,7 @@ std::vector<BenchModel> load_models(const Options& options) {
     if (!options.models.empty()) return models;
     models.push_back(finish(options, "torus_1k", make_creased_torus({48, 24})));
     models.push_back(finish(options, "torus_9k", make_creased_torus({120, 58})));
-    models.push_back(finish(options, "messy_6k", make_messy_torus({80, 56})));
+    models.push_back(finish(options, "messy_6k", make_messy_torus({84, 64})));
     return models;
 }
 

@@ -9,6 +9,9 @@
 
 namespace limn::bench {
 
+/// Noise: the same numbers on every machine, in [0, 1), multiples of 2^-24.
+double noise(uint64_t i);
+
 struct BenchModel {
     std::string name;
     ControlMesh mesh;
@@ -16,7 +19,7 @@ struct BenchModel {
 };
 
 /// The models named on the command line, or generated ones: a torus of quads with creases and extraordinary
-/// vertices, small and large, and a messy one of triangles, quads and hexagons. Fails on the first that
+/// vertices, small and large, and a messy one of triangles, quads and larger faces. Fails on the first that
 /// cannot be read.
 std::vector<BenchModel> load_models(const Options& options);
 

@@ -80,13 +80,13 @@ nlohmann::json json_of(const std::optional<Timing>& timing) {
             {"count", timing->count}};
 }
 
-nlohmann::json json_of(const Row& row) {
+nlohmann::json json_of(const Row& row, const std::string& items) {
     nlohmann::json json = {{"case", row.name}};
     if (row.limn) json["limn"] = json_of(row.limn);
     if (row.peer) json["peer"] = json_of(row.peer);
     if (row.device) json["limn_device"] = json_of(row.device);
     if (ratio_of(row) > 0) json["ratio"] = ratio_of(row);
-    if (row.items > 0) json["rows"] = row.items;
+    if (row.items > 0) json[items] = row.items;
     if (row.entries > 0) json["entries"] = row.entries;
     if (row.bytes > 0) json["bytes"] = row.bytes;
     if (row.copy_rate > 0) json["copy_bytes_per_second"] = row.copy_rate;
@@ -94,12 +94,15 @@ nlohmann::json json_of(const Row& row) {
     return json;
 }
 
-constexpr const char* kTableRow = "%-50s %-24s %-24s %6s %-20s %9s %9s %7s %5s  %s\n";
+constexpr const char* kTableRow = "%-50s %-24s %-24s %6s %-20s %10s %9s %7s %5s  %s\n";
 
 }  // namespace
 
-Report::Report(const Options& options, std::string benchmark, Facts facts)
-    : options_(options), benchmark_(std::move(benchmark)), facts_(std::move(facts)) {
+Report::Report(const Options& options, std::string benchmark, Facts facts, std::string items)
+    : options_(options),
+      benchmark_(std::move(benchmark)),
+      facts_(std::move(facts)),
+      items_(std::move(items)) {
     const char* commit = std::getenv("LIMN_COMMIT");
     facts_.emplace_back(
         "host", processor_name() + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores");
@@ -111,8 +114,8 @@ Report::Report(const Options& options, std::string benchmark, Facts facts)
         "each.\n"
         "copy: that, as a share of what a plain copy moves on the same device.\n",
         options.quick ? "one run: not for comparison" : "at least 5 runs");
-    std::printf(kTableRow, "case", "limn ms", "peer ms", "ratio", "limn device ms", "Mrows/s", "Mnnz/s",
-                "GB/s", "copy", "");
+    std::printf(kTableRow, "case", "limn ms", "peer ms", "ratio", "limn device ms",
+                ("M" + items_ + "/s").c_str(), "Mnnz/s", "GB/s", "copy", "");
 }
 
 void Report::add(const Row& row) {
@@ -144,7 +147,7 @@ Result<void> Report::finish() const {
     nlohmann::json json = {{"benchmark", benchmark_}, {"quick", options_.quick}};
     for (const auto& [name, text] : facts_) json[name] = text;
     json["rows"] = nlohmann::json::array();
-    for (const Row& row : rows_) json["rows"].push_back(json_of(row));
+    for (const Row& row : rows_) json["rows"].push_back(json_of(row, items_));
     auto writer = FileWriter::create(options_.json);
     if (!writer) return writer.error();
     const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -2,10 +2,10 @@
 // run.
 #include <algorithm>
 #include <cstdio>
-#include <thread>
 
 #include "bench.h"
 #include "limn_stencils.h"
+#include "machines.h"
 #include "models.h"
 #include "osd.h"
 #include "osd_gl.h"
@@ -15,10 +15,6 @@ namespace limn::bench {
 namespace {
 
 constexpr uint32_t kLevel = 4;
-
-struct CopyRates {
-    double device, host, host_all_cores, gl;
-};
 
 struct Measured {
     std::string name;
@@ -107,18 +103,11 @@ class ModelBench {
     std::vector<Measured> measured_;
 };
 
-struct Machines {
-    const vk::Device& device;
-    const vk::Evaluator& evaluator;
-    const Result<GlContext>& gl;
-    CopyRates copy;
-};
-
-void run_limn(const Options& options, const Machines& machines, const BenchModel& model, ModelBench& bench,
-              std::span<const StencilTable> tables) {
+void run_limn(const Options& options, const Machines& machines, const vk::Evaluator& evaluator,
+              const BenchModel& model, ModelBench& bench, std::span<const StencilTable> tables) {
     for (const uint32_t width : {3u, 4u}) {
-        Candidate candidate = value_or_fail(options, make_limn_candidate(machines.device, machines.evaluator,
-                                                                         tables, model.positions, width));
+        Candidate candidate = value_or_fail(
+            options, make_limn_candidate(machines.device(), evaluator, tables, model.positions, width));
         candidate.copy_rate = machines.copy.device;
         bench.run(candidate);
     }
@@ -139,7 +128,8 @@ void run_osd(const Options& options, const Machines& machines, const BenchModel&
     }
 }
 
-void bench_model(const Options& options, const Machines& machines, const BenchModel& model, Report& report) {
+void bench_model(const Options& options, const Machines& machines, const vk::Evaluator& evaluator,
+                 const BenchModel& model, Report& report) {
     const auto refinement = value_or_fail(options, build_refinement(model.mesh, {.level = kLevel}));
     const OsdRefiner refiner = OsdMesh(model.mesh).refine(kLevel);
     if (!refiner) fail(options, {ErrorCode::unsupported, model.name + ": OpenSubdiv refuses this mesh"});
@@ -147,21 +137,15 @@ void bench_model(const Options& options, const Machines& machines, const BenchMo
     {
         std::vector<StencilTable> tables;
         tables.push_back(value_or_fail(options, build_stencil_table<float>(refinement, kLevel)));
-        run_limn(options, machines, model, bench, tables);
+        run_limn(options, machines, evaluator, model, bench, tables);
         tables.clear();
         for (uint32_t level = 1; level <= kLevel; ++level)
             tables.push_back(value_or_fail(options, build_step_table<float>(refinement, level)));
-        run_limn(options, machines, model, bench, tables);
+        run_limn(options, machines, evaluator, model, bench, tables);
     }
     for (const OsdTableKind kind : {OsdTableKind::last_level, OsdTableKind::all_levels_chained})
         run_osd(options, machines, model, bench, build_osd_table(*refiner, kind));
     bench.finish();
-}
-
-std::string gigabytes(double rate) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f GB/s", rate / 1e9);
-    return text;
 }
 
 }  // namespace
@@ -172,27 +156,10 @@ int main(int argc, char** argv) {
     using namespace limn::bench;
     const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
     const std::vector<BenchModel> models = load_models(options);
-    const vk::Context context = value_or_fail(
-        options, vk::Context::create({.device_index = options.device_index, .validation = false}));
-    const vk::Device& device = context.device();
-    const vk::Evaluator evaluator = value_or_fail(options, vk::Evaluator::create(device));
-    const Result<GlContext> gl = GlContext::create();
-    const Machines machines{
-        device,
-        evaluator,
-        gl,
-        {.device = value_or_fail(options, measure_device_copy(options, device)),
-         .host = measure_host_copy(options, 1),
-         .host_all_cores = measure_host_copy(options, std::max(1u, std::thread::hardware_concurrency())),
-         .gl = gl ? gl->measure_copy(options) : 0}};
-    Report report(
-        options, "stencil_eval",
-        {{"device", device_description(device)},
-         {"peer GL", gl ? gl->description() : "n/a: " + gl.error().message},
-         {"copies", "device " + gigabytes(machines.copy.device) + ", one core " +
-                        gigabytes(machines.copy.host) + ", all cores " +
-                        gigabytes(machines.copy.host_all_cores) + ", GL " + gigabytes(machines.copy.gl)}});
-    for (const BenchModel& model : models) bench_model(options, machines, model, report);
+    const Machines machines = open_machines(options);
+    const vk::Evaluator evaluator = value_or_fail(options, vk::Evaluator::create(machines.device()));
+    Report report(options, "stencil_eval", machines.facts());
+    for (const BenchModel& model : models) bench_model(options, machines, evaluator, model, report);
     value_or_fail(options, report.finish());
     return 0;
 }

@@ -1,0 +1,40 @@
+// Position and normal at 9 x 9 places of each ptex face, from control points: limn on a Vulkan device against
+// OpenSubdiv's evaluators, which have du and dv in place of normals, in the same run.
+#include "bench.h"
+#include "limn_patches.h"
+#include "machines.h"
+#include "models.h"
+#include "patch_bench.h"
+#include "patch_samples.h"
+
+namespace limn::bench {
+namespace {
+
+void bench_model(const Options& options, const Machines& machines, const BenchModel& model, Report& report) {
+    const auto truth = value_or_fail(options, build_patch_table<double>(model.mesh, {}));
+    PatchBench bench(options, model, report, "grid_eval", truth, grid_samples(truth));
+    const auto table = value_or_fail(options, build_patch_table<float>(model.mesh, {}));
+    const auto limn =
+        make_limn_grid_candidate(machines.device(), table, model.positions, machines.copy.device);
+    if (limn)
+        bench.run(*limn);
+    else
+        bench.add_missing("limn", true, limn.error().message);
+    bench.run_osd(machines);
+    bench.finish();
+}
+
+}  // namespace
+}  // namespace limn::bench
+
+int main(int argc, char** argv) {
+    using namespace limn;
+    using namespace limn::bench;
+    const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
+    const std::vector<BenchModel> models = load_models(options);
+    const Machines machines = open_machines(options);
+    Report report(options, "grid_eval", machines.facts(), "samples");
+    for (const BenchModel& model : models) bench_model(options, machines, model, report);
+    value_or_fail(options, report.finish());
+    return 0;
+}

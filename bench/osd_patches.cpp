@@ -1,0 +1,170 @@
+#include "osd_patches.h"
+
+#include <opensubdiv/far/patchMap.h>
+#include <opensubdiv/far/patchTableFactory.h>
+#include <opensubdiv/far/stencilTableFactory.h>
+#include <opensubdiv/osd/cpuEvaluator.h>
+#include <opensubdiv/osd/cpuPatchTable.h>
+#include <opensubdiv/osd/ompEvaluator.h>
+
+#include <array>
+#include <thread>
+
+namespace limn::bench {
+
+namespace Far = OpenSubdiv::Far;
+namespace Osd = OpenSubdiv::Osd;
+
+namespace {
+
+Far::PatchTableFactory::Options patch_options(uint32_t isolation_level) {
+    Far::PatchTableFactory::Options options(isolation_level);
+    options.SetEndCapType(Far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);
+    options.useInfSharpPatch = true;
+    options.useSingleCreasePatch = false;   // which its evaluators cannot evaluate
+    options.generateVaryingTables = false;  // positions only
+    options.generateVaryingLocalPoints = false;
+    options.generateLegacySharpCornerPatches = false;  // smooth corners stay smooth
+    return options;
+}
+
+/// Of refined points, then of the points of the patches at the ends.
+std::unique_ptr<const Far::StencilTable> build_stencils(const Far::TopologyRefiner& refiner,
+                                                        const Far::PatchTable& patches) {
+    Far::StencilTableFactory::Options options;
+    options.generateOffsets = true;
+    options.generateIntermediateLevels = true;
+    options.factorizeIntermediateLevels = true;
+    std::unique_ptr<const Far::StencilTable> stencils(Far::StencilTableFactory::Create(refiner, options));
+    if (const Far::StencilTable* local = patches.GetLocalPointStencilTable())
+        if (const Far::StencilTable* all =
+                Far::StencilTableFactory::AppendLocalPointStencilTable(refiner, stencils.get(), local))
+            stencils.reset(all);
+    return stencils;
+}
+
+using Descriptor = Osd::BufferDescriptor;
+using EvalStencils = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, const int*,
+                              const int*, const int*, const float*, int, int);
+using EvalPatches = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, float*,
+                             const Descriptor&, float*, const Descriptor&, int, const Osd::PatchCoord*,
+                             const Osd::PatchArray*, const int*, const Osd::PatchParam*);
+
+struct Evaluator {
+    EvalStencils stencils;
+    EvalPatches patches;
+};
+
+}  // namespace
+
+std::unique_ptr<const OsdPatches> build_osd_patches(const OsdMesh& mesh, uint32_t isolation_level) {
+    auto built = std::make_unique<OsdPatches>();
+    built->refiner = mesh.create();
+    if (!built->refiner) return nullptr;
+    Far::TopologyRefiner& refiner = *built->refiner;
+    const Far::PatchTableFactory::Options options = patch_options(isolation_level);
+    refiner.RefineAdaptive(options.GetRefineAdaptiveOptions());
+    built->control_count = static_cast<uint32_t>(refiner.GetLevel(0).GetNumVertices());
+    built->patches.reset(Far::PatchTableFactory::Create(refiner, options));
+    built->stencils = build_stencils(refiner, *built->patches);
+    return built;
+}
+
+std::vector<Osd::PatchCoord> find_osd_patches(const OsdPatches& patches,
+                                              std::span<const PatchSample> samples) {
+    const Far::PatchMap map(*patches.patches);
+    std::vector<Osd::PatchCoord> places;
+    places.reserve(samples.size());
+    for (const PatchSample& s : samples) {
+        const auto* handle = map.FindPatch(static_cast<int>(s.face), s.u, s.v);
+        if (handle == nullptr) return {};
+        places.emplace_back(*handle, static_cast<float>(s.u), static_cast<float>(s.v));
+    }
+    return places;
+}
+
+std::vector<double> osd_patch_points(const OsdPatches& patches, std::span<const Osd::PatchCoord> places,
+                                     const std::vector<float>& positions) {
+    std::vector<double> points(positions.begin(), positions.end());
+    points.resize(3 * patches.point_count());
+    const Far::StencilTable& table = *patches.stencils;
+    for (size_t row = 0, k = 0; row < patches.stencil_count(); ++row)
+        for (const size_t end = k + static_cast<size_t>(table.GetSizes()[row]); k < end; ++k)
+            for (size_t axis = 0; axis < 3; ++axis)
+                points[3 * (patches.control_count + row) + axis] +=
+                    static_cast<double>(table.GetWeights()[k]) *
+                    points[3 * static_cast<size_t>(table.GetControlIndices()[k]) + axis];
+    std::vector<double> values(3 * places.size());
+    for (size_t s = 0; s < places.size(); ++s) {
+        std::array<double, 20> weights{};
+        patches.patches->EvaluateBasis(places[s].handle, static_cast<double>(places[s].s),
+                                       static_cast<double>(places[s].t), weights.data());
+        const Far::ConstIndexArray vertices = patches.patches->GetPatchVertices(places[s].handle);
+        for (int i = 0; i < vertices.size(); ++i)
+            for (size_t axis = 0; axis < 3; ++axis)
+                values[3 * s + axis] +=
+                    weights[static_cast<size_t>(i)] * points[3 * static_cast<size_t>(vertices[i]) + axis];
+    }
+    return values;
+}
+
+PatchCandidate describe_osd_patch_candidate(const std::string& what, const OsdPlaces& places,
+                                            uint32_t width) {
+    const OsdPatches& patches = *places.patches;
+    PatchCandidate candidate;
+    candidate.name = "osd_" + what + (width == 4 ? "_xyzw" : "");
+    candidate.sample_count = places.places.size();
+    // Stencils read control points and write all others; patches read both and write three values.
+    const uint64_t values = patches.point_count() + patches.point_count() + 3 * candidate.sample_count;
+    candidate.bytes =
+        patches.bytes() + sizeof(Osd::PatchCoord) * candidate.sample_count + uint64_t{4} * width * values;
+    return candidate;
+}
+
+PatchCandidate make_osd_patch_candidate(OsdEvaluator kind, const std::shared_ptr<const OsdPlaces>& places,
+                                        const std::vector<float>& positions, uint32_t width,
+                                        double copy_rate) {
+    const bool omp = kind == OsdEvaluator::omp;
+    PatchCandidate candidate = describe_osd_patch_candidate(omp ? "omp" : "cpu", *places, width);
+    candidate.copy_rate = copy_rate;
+    if (omp) Osd::OmpEvaluator::SetNumThreads(static_cast<int>(std::thread::hardware_concurrency()));
+    const Evaluator evaluator =
+        omp ? Evaluator{Osd::OmpEvaluator::EvalStencils, Osd::OmpEvaluator::EvalPatches}
+            : Evaluator{Osd::CpuEvaluator::EvalStencils, Osd::CpuEvaluator::EvalPatches};
+    struct Frame {
+        Osd::CpuPatchTable table;
+        std::vector<float> points;     // control points, then the points of all rows
+        std::vector<float> values[3];  // position, du, dv
+    };
+    const OsdPatches& patches = *places->patches;
+    const auto frame = std::make_shared<Frame>(
+        Frame{Osd::CpuPatchTable(patches.patches.get()), pad_points(positions, width), {}});
+    frame->points.resize(width * patches.point_count());
+    for (auto& values : frame->values) values.resize(width * places->places.size());
+    candidate.frame = [=] {
+        const auto& stencils = *places->patches->stencils;
+        const auto& table = frame->table;
+        auto& [position, du, dv] = frame->values;
+        const int w = static_cast<int>(width);
+        const Osd::BufferDescriptor from(0, w, w),
+            to(w * static_cast<int>(places->patches->control_count), w, w);
+        float* points = frame->points.data();
+        return evaluator.stencils(points, from, points, to, stencils.GetSizes().data(),
+                                  stencils.GetOffsets().data(), stencils.GetControlIndices().data(),
+                                  stencils.GetWeights().data(), 0, stencils.GetNumStencils()) &&
+               evaluator.patches(points, from, position.data(), from, du.data(), from, dv.data(), from,
+                                 static_cast<int>(places->places.size()), places->places.data(),
+                                 table.GetPatchArrayBuffer(), table.GetPatchIndexBuffer(),
+                                 table.GetPatchParamBuffer());
+    };
+    candidate.values = [=] {
+        const auto unpadded = [&](const std::vector<float>& values) {
+            return unpad_points(values.data(), places->places.size(), width);
+        };
+        return PatchValues{
+            unpadded(frame->values[0]), unpadded(frame->values[1]), unpadded(frame->values[2]), {}};
+    };
+    return candidate;
+}
+
+}  // namespace limn::bench

@@ -1,0 +1,203 @@
+// Building what evaluators take, from the mesh in memory: limn's patch tables against OpenSubdiv's
+// feature-adaptive patches and stencils.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "bench.h"
+#include "limn/patch_table.h"
+#include "models.h"
+#include "osd.h"
+#include "osd_patches.h"
+#include "patch_samples.h"
+
+namespace limn::bench {
+namespace {
+
+/// OpenSubdiv's isolation levels: the usual one, and one at which its surface is nearly right.
+constexpr uint32_t kLevel = 3, kDeepLevel = 6;
+constexpr uint32_t kSampleCount = 5000;
+/// Levels of uniform refinement whose vertices limn's surface must go through.
+constexpr uint32_t kRefinedLevel = 2;
+
+struct Setup {
+    const Options& options;
+    const BenchModel& model;
+    Report& report;
+    OsdMesh osd;
+    std::string prefix;
+};
+
+std::string megabytes(uint64_t bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f MB", static_cast<double>(bytes) / 1e6);
+    return text;
+}
+
+std::string peak_text(uint64_t peak) {
+    return peak != 0 ? "peak " + megabytes(peak) : "peak n/a";
+}
+
+[[noreturn]] void fail_verification(const Setup& setup, const std::string& what) {
+    fail(setup.options, {ErrorCode::unsupported, setup.model.name + ": " + what});
+}
+
+PatchTable build(const Setup& setup, const PlanCache* cache) {
+    return value_or_fail(setup.options, build_patch_table<float>(setup.model.mesh, {}, cache));
+}
+
+std::unique_ptr<const OsdPatches> build_osd(const Setup& setup, uint32_t level) {
+    auto patches = build_osd_patches(setup.osd, level);
+    if (!patches) fail_verification(setup, "OpenSubdiv refuses this mesh");
+    return patches;
+}
+
+template <class T>
+Array<double> to_double(const Array<T>& from) {
+    Array<double> to;
+    to.allocate(from.size());
+    for (size_t i = 0; i < from.size(); ++i) to[i] = static_cast<double>(from[i]);
+    return to;
+}
+
+/// The same table, weights as they are in float: what is verified is what is timed.
+PatchTableDouble to_double(const PatchTable& from) {
+    PatchTableDouble to;
+    to.options = from.options;
+    to.control_count = from.control_count;
+    to.stencils.source_count = from.stencils.source_count;
+    to.stencils.offsets = from.stencils.offsets;
+    to.stencils.indices = from.stencils.indices;
+    to.stencils.weights = to_double(from.stencils.weights);
+    to.surfaces = from.surfaces;
+    to.ring_points = from.ring_points;
+    to.plans = from.plans;
+    to.plan_nodes = from.plan_nodes;
+    to.plan_points = from.plan_points;
+    to.plan_weights = to_double(from.plan_weights);
+    to.ptex_surfaces = from.ptex_surfaces;
+    return to;
+}
+
+/// How far the surface is from the limits of refined vertices: as far as floats are, or this fails.
+double verify_limits(const Setup& setup, const PatchTableDouble& table, const char* what) {
+    const RefinedCorners corners = refined_corners(setup.options, setup.model, kRefinedLevel);
+    const double difference = largest_difference(
+        evaluate_samples(table, corners.samples, setup.model.positions, Derivatives::none), corners.limits);
+    const Tolerance tolerance = tolerance_for(setup.model.positions);
+    if (!(difference <= tolerance.in_float)) {
+        char text[160];
+        std::snprintf(text, sizeof text, "%s is %.3g off the limits of level %u, more than %.3g", what,
+                      difference, kRefinedLevel, tolerance.in_float);
+        fail_verification(setup, text);
+    }
+    return difference / tolerance.size;
+}
+
+/// How far OpenSubdiv's surface is from limn's. It is right but for the error of its own that the level
+/// leaves, which must be about as small as it should be.
+double verify_osd(const Setup& setup, const PatchTableDouble& table, uint32_t level) {
+    const auto samples = random_samples(table, kSampleCount);
+    const auto patches = build_osd(setup, level);
+    const auto places = find_osd_patches(*patches, samples);
+    if (places.size() != samples.size()) fail_verification(setup, "OpenSubdiv has no patch at some place");
+    const double difference =
+        largest_difference(osd_patch_points(*patches, places, setup.model.positions),
+                           evaluate_samples(table, samples, setup.model.positions, Derivatives::none)) /
+        tolerance_for(setup.model.positions).size;
+    if (!(difference <= largest_osd_error(level))) {
+        char text[160];
+        std::snprintf(text, sizeof text, "OpenSubdiv at level %u is %.3g of the size away, more than %.3g",
+                      level, difference, largest_osd_error(level));
+        fail_verification(setup, text);
+    }
+    return difference;
+}
+
+void verify(const Setup& setup) {
+    const PlanCache cache;
+    const PatchTable cold = build(setup, nullptr);
+    const PatchTableDouble table = to_double(cold);
+    double worst = verify_limits(setup, table, "the patch table");
+    for (int i = 0; i < 2; ++i)
+        worst =
+            std::max(worst, verify_limits(setup, to_double(build(setup, &cache)), "a cached patch table"));
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "%s: %u faces, %zu ptex faces; within %.1e of the size of the limits at level %u; "
+                  "OpenSubdiv within %.1e at level %u, %.1e at level %u",
+                  setup.model.name.c_str(), setup.model.mesh.face_count(), cold.ptex_surfaces.size(), worst,
+                  kRefinedLevel, verify_osd(setup, table, kLevel), kLevel,
+                  verify_osd(setup, table, kDeepLevel), kDeepLevel);
+    setup.report.add_text(text);
+}
+
+struct Built {
+    Timing timing;
+    std::string note;  ///< what it is, its bytes and the most memory that building it took
+};
+
+Built measure_limn(const Setup& setup, const PlanCache* cache) {
+    std::optional<PatchTable> table;
+    const auto step = [&] { return table = build(setup, cache), true; };
+    const auto reset = [&] { table.reset(); };
+    Built built{measure(setup.options, step, reset), {}};
+    reset();
+    const uint64_t peak = peak_memory(step);
+    built.note = std::to_string(table->surfaces.size()) + " surfaces, " +
+                 std::to_string(table->plans.size()) + " plans, " + megabytes(table->bytes()) + ", " +
+                 peak_text(peak);
+    return built;
+}
+
+Built measure_osd(const Setup& setup, uint32_t level) {
+    std::unique_ptr<const OsdPatches> patches;
+    const auto step = [&] { return patches = build_osd(setup, level), true; };
+    const auto reset = [&] { patches.reset(); };
+    Built built{measure(setup.options, step, reset), {}};
+    reset();
+    const uint64_t peak = peak_memory(step);
+    built.note = std::to_string(patches->patch_count()) + " patches, " +
+                 std::to_string(patches->stencil_count()) + " stencils, " + megabytes(patches->bytes()) +
+                 ", " + peak_text(peak);
+    return built;
+}
+
+void add_row(const Setup& setup, const char* name, const Built& limn, const Built& osd) {
+    setup.report.add({.name = setup.prefix + name,
+                      .limn = limn.timing,
+                      .peer = osd.timing,
+                      .items = static_cast<double>(setup.model.mesh.face_count()),
+                      .note = limn.note + " / " + osd.note});
+}
+
+void bench_model(const Options& options, const BenchModel& model, Report& report) {
+    const Setup setup{options, model, report, OsdMesh(model.mesh), "patch_table/" + model.name + "/"};
+    verify(setup);
+    const Built osd = measure_osd(setup, kLevel);
+    const Built cold = measure_limn(setup, nullptr);
+    add_row(setup, "cold", cold, osd);
+    {
+        const PlanCache cache;
+        build(setup, &cache);
+        add_row(setup, "warm", measure_limn(setup, &cache), osd);
+    }
+    add_row(setup, "cold_peer_level=6", cold, measure_osd(setup, kDeepLevel));
+}
+
+}  // namespace
+}  // namespace limn::bench
+
+int main(int argc, char** argv) {
+    using namespace limn::bench;
+    const Options options = parse_options(argc, argv, 0, 0);
+    const std::vector<BenchModel> models = load_models(options);
+    Report report(
+        options, "patch_table",
+        {{"peer", "OpenSubdiv Far, which uses one thread, at isolation level 3 (cold_peer_level=6: at 6)"},
+         {"warm", "limn with a cache that holds the plans"}},
+        "faces");
+    for (const BenchModel& model : models) bench_model(options, model, report);
+    value_or_fail(options, report.finish());
+    return 0;
+}
