@@ -14,16 +14,20 @@ layout(constant_id = kGridNarrowConstant) const uint kNarrow = 0;
 layout(constant_id = kGridValueCountConstant) const uint kValueCount = 3;
 layout(constant_id = kGridLoadsConstant) const uint kLoads = 1;
 layout(constant_id = kGridCornersConstant) const uint kCorners = kGridCornersFirst;
+layout(constant_id = kGridSurfacesConstant) const uint kSurfaces = 4;
+layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
+layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
 layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
 layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
 
 const uint kMaxGroups = 8;
 const uint kRing = 4 * kGroups;
-shared float ring[kGridTileSurfaces * kRing * kWidth];
-shared uint tile_words[kGridTileWords];
+const uint kTileWords = kGridTileHeader + kGridTileSurfaceWords * kSurfaces;
+shared vec4 ring[kSurfaces * kRing];
+shared uint tile_words[kTileWords];
 
 uint ring_index(uint i) {
     const uint word = PATCH_WORD(params.ring_base + (kNarrow != 0 ? i / 2 : i));
@@ -32,18 +36,18 @@ uint ring_index(uint i) {
 
 // Ring points [first, first + kRing) of the tile's surfaces into shared memory; past the last they repeat it.
 void load_rings(uint tile, uint surface_count, uint ring_size, uint first) {
-    const uint count = kGridTileSurfaces * kRing;
+    const uint count = kSurfaces * kRing;
     [[unroll]] for (uint round = 0; round < (count - 1) / gl_WorkGroupSize.x + 1; ++round) {
         const uint i = min(round * gl_WorkGroupSize.x + gl_LocalInvocationID.x, count - 1);
         const uint t = min(i / kRing, surface_count - 1), j = min(first + i % kRing, ring_size - 1);
-        const uint at = params.point_base + ring_index(TILE_WORD(tile + 4 + 3 * t) + j) * params.point_stride;
-        for (uint c = 0; c < kWidth; ++c) ring[i * kWidth + c] = POINT(at + c);
+        const uint at = params.point_base + ring_index(TILE_WORD(tile + kGridTileHeader + kGridTileSurfaceWords * t) + j) * params.point_stride;
+        ring[i] = vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0,
+                       kWidth > 3 ? POINT(at + 3) : 0);
     }
 }
 
 vec4 ring_point(uint t, uint j) {
-    const uint at = (t * kRing + j) * kWidth;
-    return vec4(ring[at], kWidth > 1 ? ring[at + 1] : 0, kWidth > 2 ? ring[at + 2] : 0, kWidth > 3 ? ring[at + 3] : 0);
+    return ring[t * kRing + j];
 }
 
 // The normal of the surface's four corners: what is left where tangents do not span a plane. Not yet of unit length.
@@ -76,12 +80,20 @@ struct Sums {
 };
 
 void store(uint t, uint placement, uint out_sample, Sums sums) {
-    const uint s = tile_words[4 + 3 * t + 1] * params.samples_per_face + out_sample;
+    const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
     const uint value_at = params.value_base + s * params.value_stride;
     const uint second_at = params.second_base + s * params.second_stride;
+    vec3 n;
+    if (kOutput == kGridOutputNormal) n = normal_of(sums.values[1].xyz, sums.values[2].xyz, sums.otherwise);
+    if (kPaired != 0) {
+        const vec3 p = sums.values[0].xyz;
+        value_pairs[value_at / 2] = p.xy;
+        value_pairs[value_at / 2 + 1] = vec2(p.z, n.x);
+        value_pairs[value_at / 2 + 2] = n.yz;
+        return;
+    }
     for (uint c = 0; c < kWidth; ++c) values[value_at + c] = sums.values[0][c];
     if (kOutput == kGridOutputNormal) {
-        const vec3 n = normal_of(sums.values[1].xyz, sums.values[2].xyz, sums.otherwise);
         for (uint c = 0; c < 3; ++c) second[second_at + c] = n[c];
     }
     if (kOutput == kGridOutputDerivatives) {
@@ -96,12 +108,12 @@ void store(uint t, uint placement, uint out_sample, Sums sums) {
 
 // Loads ring points [first, first + kRing) and adds what they weigh.
 void add_ring(uint tile, uint surface_count, uint ring_size, uint first, uint weight,
-              inout Sums sums[kGridTileSurfaces]) {
+              inout Sums sums[kSurfaces]) {
     load_rings(tile, surface_count, ring_size, first);
     barrier();
     vec4 weights[kMaxGroups * 3];
     [[unroll]] for (uint i = 0; i < kGroups * kValueCount; ++i) weights[i] = WEIGHTS(weight + i * params.sample_count);
-    [[unroll]] for (uint t = 0; t < kGridTileSurfaces; ++t) {
+    [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         if (kOutput == kGridOutputNormal && first == 0) sums[t].otherwise = scaled(corner_normal(t));
         [[unroll]] for (uint g = 0; g < kGroups; ++g)
             [[unroll]] for (uint c = 0; c < 4; ++c) {
@@ -117,16 +129,16 @@ void main() {
     const uint tile_index = min(group / params.chunk_count, params.tile_count - 1);
     const uint invocation = group % params.chunk_count * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
     const uint sample_index = min(invocation, params.sample_count - 1);
-    const uint tile = params.tile_base + tile_index * kGridTileWords;
+    const uint tile = params.tile_base + tile_index * kTileWords;
     const uint weight = TILE_WORD(tile) + sample_index, surface_count = TILE_WORD(tile + 1);
     const uint ring_size = TILE_WORD(tile + 2);
-    [[unroll]] for (uint round = 0; round < (kGridTileWords - 1) / gl_WorkGroupSize.x + 1; ++round) {
-        const uint i = min(round * gl_WorkGroupSize.x + gl_LocalInvocationID.x, kGridTileWords - 1);
+    [[unroll]] for (uint round = 0; round < (kTileWords - 1) / gl_WorkGroupSize.x + 1; ++round) {
+        const uint i = min(round * gl_WorkGroupSize.x + gl_LocalInvocationID.x, kTileWords - 1);
         tile_words[i] = TILE_WORD(tile + i);
     }
 
-    Sums sums[kGridTileSurfaces];
-    [[unroll]] for (uint t = 0; t < kGridTileSurfaces; ++t) {
+    Sums sums[kSurfaces];
+    [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         for (uint k = 0; k < 3; ++k) sums[t].values[k] = vec4(0);
         sums[t].otherwise = vec3(0, 0, 1);
     }
@@ -140,8 +152,8 @@ void main() {
         }
     }
     const bool inside = group < params.tile_count * params.chunk_count && invocation < params.sample_count;
-    [[unroll]] for (uint t = 0; t < kGridTileSurfaces; ++t) {
-        const uint placement = tile_words[4 + 3 * t + 2];
+    [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
+        const uint placement = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 2];
         const uint out_sample = TILE_WORD(placement + kGridPlacementHeader + sample_index);
         if (inside && t < surface_count && out_sample != kGridNoSample) store(t, placement, out_sample, sums[t]);
     }

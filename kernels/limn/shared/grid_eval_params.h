@@ -1,9 +1,8 @@
 // What the host and the grid_eval kernels agree on.
 //
-// The grid buffer is an array of words. A tile is up to kGridTileSurfaces surfaces of one class (grid_table.h), at
-// tile_base + tile * kGridTileWords:
-//   [0] first weight, in groups of four   [1] surfaces   [2] ring points   [3] 0
-//   [4 + 3 t ..] of surface t: its first ring point, its ptex face counted from the first of the pass, its placement
+// The grid buffer is an array of words. A tile is up to `surfaces` surfaces of one class (grid_table.h):
+//   [0] first weight, in groups of four   [1] surfaces   [2] ring points
+//   [3 + 3 t ..] of surface t: its first ring point, its ptex face counted from the first of the pass, its placement
 // A placement is 4 words, the signed integers uu, uv, vu, vv, and then a word for each sample: which sample of its ptex
 // face it is, or kGridNoSample.
 #ifndef LIMN_SHARED_GRID_EVAL_PARAMS_H
@@ -30,6 +29,8 @@ const uint kGridValueCountConstant = 5;   // of the weights: 1, or 3 with deriva
 const uint kGridLoadsConstant = 6;        // how often `groups` ring points are loaded
 
 const uint kGridCornersConstant = 7;
+const uint kGridSurfacesConstant = 8;  // of a tile
+const uint kGridPairedConstant = 9;    // 1: value and normal are six floats at an even index
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
 const uint kGridCornersBoxSpline = 1;
@@ -40,8 +41,9 @@ const uint kGridOutputValue = 0;
 const uint kGridOutputNormal = 1;  // width 3
 const uint kGridOutputDerivatives = 2;
 
-const uint kGridTileSurfaces = 4;
-const uint kGridTileWords = 4 + 3 * kGridTileSurfaces;
+const uint kGridTileHeader = 3;
+const uint kGridTileSurfaceWords = 3;
+const uint kGridMaxTileSurfaces = 8;
 const uint kGridPlacementHeader = 4;
 const uint kGridNoSample = 0xffffffffu;
 

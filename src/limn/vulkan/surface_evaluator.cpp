@@ -71,7 +71,7 @@ struct Reads {
                 texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
     }
     BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
-        begin -= begin % std::max<uint64_t>(4, limits.minStorageBufferOffsetAlignment);
+        begin -= begin % std::max<uint64_t>(8, limits.minStorageBufferOffsetAlignment);
         return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
     }
     Result<void> check(std::span<const BoundBuffer> buffers) const {
@@ -243,6 +243,13 @@ GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const Bound
     return params;
 }
 
+/// Position and normal of a sample are six floats that can be stored as three pairs.
+bool is_paired(const GridEvaluationInfo& info, const GridEvalParams& params) {
+    return info.normals.buffer == info.values.buffer && info.normals.stride == info.values.stride &&
+           byte_of(info.normals, 0, 0) == byte_of(info.values, 0, 3) && info.values.stride % 2 == 0 &&
+           params.value_base % 2 == 0;
+}
+
 }  // namespace
 
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInfo& info) const {
@@ -269,9 +276,10 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
         const GridEvalParams params = grid_params(info, bound, batch);
         const uint32_t per_chunk = (batch.sample_count - 1) / params.chunk_count + 1;
         const uint32_t invocations = std::min(kMaxInvocations, (per_chunk + lanes - 1) / lanes * lanes);
-        auto pipeline =
-            state_->pipeline(kGrid, {std::min(batch.group_count, 8u), output, info.width,
-                                     info.patches->narrow_rings, invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners});
+        auto pipeline = state_->pipeline(
+            kGrid, {std::min(batch.group_count, 8u), output, info.width, info.patches->narrow_rings,
+                    invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1,
+                    batch.corners, batch.tile_surfaces, is_paired(info, params)});
         if (!pipeline) return pipeline.error();
         recording.add_dispatch(*pipeline, set, uint64_t{batch.tile_count} * params.chunk_count, params);
     }

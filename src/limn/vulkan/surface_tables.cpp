@@ -106,15 +106,35 @@ void append_placements(const GridTable& table, std::vector<uint32_t>& words, std
     }
 }
 
-void append_tile(const GridTable& table, std::span<const GridSurface> surfaces,
+void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, uint32_t capacity,
                  const std::vector<uint32_t>& placements, std::vector<uint32_t>& words) {
     const GridClass& c = table.classes[surfaces[0].grid_class];
-    const size_t end = words.size() + shared::kGridTileWords;
-    words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size, 0});
+    const size_t end = words.size() + shared::kGridTileHeader + shared::kGridTileSurfaceWords * capacity;
+    words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size});
     for (const GridSurface& s : surfaces)
         words.insert(words.end(),
                      {s.first_ring, s.ptex_face % table.faces_per_pass, placements[s.placement]});
     words.resize(end, 0);
+}
+
+/// Large tiles load weights less often; small ones waste less where few surfaces are alike.
+uint32_t choose_tile(size_t surface_count) {
+    return surface_count >= shared::kGridMaxTileSurfaces ? shared::kGridMaxTileSurfaces
+           : surface_count > 2                           ? 4
+                                                         : 1;
+}
+
+/// Group count, sample count, corners and surfaces per tile of a batch, and its tiles.
+using Batches = std::map<std::array<uint32_t, 4>, std::vector<std::span<const GridSurface>>>;
+
+/// Cuts the surfaces of one class into tiles.
+void add_tiles(const GridClass& c, std::span<const GridSurface> surfaces, Batches& batches) {
+    while (!surfaces.empty()) {
+        const uint32_t capacity = choose_tile(surfaces.size());
+        const size_t count = std::min<size_t>(capacity, surfaces.size());
+        batches[{c.group_count, c.sample_count, c.corners, capacity}].push_back(surfaces.first(count));
+        surfaces = surfaces.subspan(count);
+    }
 }
 
 /// Tiles of each pass: those that one dispatch can take follow each other.
@@ -122,23 +142,23 @@ GridWords lay_out(const GridTable& table) {
     GridWords out;
     std::vector<uint32_t> placements;
     append_placements(table, out.words, placements);
-    auto pass_of = [&](const GridSurface& s) { return s.ptex_face / table.faces_per_pass; };
+    auto pass_of = [&](size_t i) { return table.surfaces[i].ptex_face / table.faces_per_pass; };
     for (size_t begin = 0, end = 0; begin < table.surfaces.size(); begin = end) {
-        const uint32_t pass = pass_of(table.surfaces[begin]);
-        std::map<std::array<uint32_t, 3>, std::vector<std::span<const GridSurface>>> tiles;
-        while (end < table.surfaces.size() && pass_of(table.surfaces[end]) == pass) {
+        const uint32_t pass = pass_of(begin);
+        Batches batches;
+        while (end < table.surfaces.size() && pass_of(end) == pass) {
             const size_t first = end;
             const uint32_t grid_class = table.surfaces[first].grid_class;
-            while (end < table.surfaces.size() && end - first < shared::kGridTileSurfaces &&
-                   table.surfaces[end].grid_class == grid_class && pass_of(table.surfaces[end]) == pass)
+            while (end < table.surfaces.size() && table.surfaces[end].grid_class == grid_class &&
+                   pass_of(end) == pass)
                 ++end;
-            const GridClass& c = table.classes[grid_class];
-            tiles[{c.group_count, c.sample_count, c.corners}].push_back({table.surfaces.data() + first, end - first});
+            add_tiles(table.classes[grid_class], {table.surfaces.data() + first, end - first}, batches);
         }
-        for (const auto& [key, list] : tiles) {
-            out.batches.push_back({key[0], key[1], key[2], pass, static_cast<uint32_t>(out.words.size()),
-                                   static_cast<uint32_t>(list.size())});
-            for (const auto& tile : list) append_tile(table, tile, placements, out.words);
+        for (const auto& [key, tiles] : batches) {
+            out.batches.push_back({key[0], key[1], key[2], pass, key[3],
+                                   static_cast<uint32_t>(out.words.size()),
+                                   static_cast<uint32_t>(tiles.size())});
+            for (const auto& tile : tiles) append_tile(table, tile, key[3], placements, out.words);
         }
     }
     return out;

@@ -32,7 +32,8 @@ struct GridBatch {
     uint32_t sample_count;
     uint32_t corners;
     uint32_t pass;
-    uint32_t tile_base;  ///< words
+    uint32_t tile_surfaces;  ///< that a tile has room for
+    uint32_t tile_base;      ///< words
     uint32_t tile_count;
 };
 
