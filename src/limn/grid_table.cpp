@@ -34,31 +34,42 @@ struct Lattices {
 
     int32_t rate() const { return static_cast<int32_t>(options.rate); }
 
-    /// The closed child that holds sample (i, j), in its coordinates; false where it lies outside.
+    void rotate(int32_t& x, int32_t& y, uint32_t rotation) const {
+        for (uint32_t k = 0; k < rotation; ++k) {
+            const int32_t old_x = x;
+            x = y;
+            y = rate() - old_x - (triangles ? y : 0);
+        }
+    }
+    /// Coordinates of sample (i, j) in a child; false where that child does not list it. What lies between
+    /// children is listed so that those of one plan list the same places: between quads by the one that comes
+    /// before, seen from the middle; the middle by all.
     bool enter(uint32_t child, int32_t i, int32_t j, int32_t& x, int32_t& y) const {
         const int32_t r = rate();
-        x = 2 * i;
-        y = 2 * j;
-        if (child == kWhole) {
-            x = i;
-            y = j;
-            return true;
-        }
-        if (triangles && child == 3) {
+        x = child == kWhole ? i : 2 * i;
+        y = child == kWhole ? j : 2 * j;
+        if (child == kWhole) return true;
+        if (triangles && child == 3) {  // the corners have its sides
             x = r - x;
             y = r - y;
-            return x >= 0 && y >= 0 && x + y <= r;
+            return x > 0 && y > 0 && x + y < r;
         }
         if (child == 1 || (!triangles && child == 2)) x -= r;
         if (child == 2 || child == 3) y -= r;
-        return x >= 0 && y >= 0 && (triangles ? x + y <= r : x <= r && y <= r);
+        if (triangles) return x >= 0 && y >= 0 && x + y <= r;
+        int32_t own_x = x, own_y = y;
+        rotate(own_x, own_y, child);
+        return own_x >= 0 && own_y >= 0 && own_x <= r && (own_y < r || (own_x == r && own_y == r));
     }
-    /// As shared::descend_location does.
-    uint32_t owner(int32_t i, int32_t j) const {
+    /// Which of the children that list sample (i, j) has it.
+    bool owns(uint32_t child, int32_t i, int32_t j) const {
         const int32_t r = rate();
-        const bool right = 2 * i > r, upper = 2 * j > r;
-        if (triangles) return right ? 1 : upper ? 2 : 2 * (i + j) > r ? 3 : 0;
-        return upper ? (right ? 2 : 3) : (right ? 1 : 0);
+        if (child == kWhole || child == 3) return triangles || child == kWhole || 2 * i != r || 2 * j != r;
+        if (!triangles) return child == 0 || 2 * i != r || 2 * j != r;
+        int32_t x, y;
+        for (uint32_t before = 0; before < child; ++before)
+            if (enter(before, i, j, x, y)) return false;
+        return true;
     }
 
     Placed place(uint32_t child, uint32_t rotation) {
@@ -73,9 +84,8 @@ struct Lattices {
             for (int32_t i = 0; i <= (triangles ? rate() - j : rate()); ++i, ++out_index) {
                 LatticeSample s{0, 0, out_index};
                 if (!enter(child, i, j, s.x, s.y)) continue;
-                if (child != kWhole && owner(i, j) != child) s.out = kInvalidIndex;
-                for (uint32_t k = 0; k < rotation; ++k)
-                    s = {s.y, rate() - s.x - (triangles ? s.y : 0), s.out};
+                if (!owns(child, i, j)) s.out = kInvalidIndex;
+                rotate(s.x, s.y, rotation);
                 found.push_back(s);
             }
         }
@@ -112,8 +122,8 @@ GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size
     if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
     // Rings begin with the corners, except for those of patches.
     const PlanNodeKind root = table.plan_nodes[table.plans[plan].first_node].kind();
-    const bool regular = table.plans[plan].row_count == ring &&
-                         ring == shared::patch_point_count(static_cast<uint32_t>(root));
+    const bool regular =
+        table.plans[plan].row_count == ring && ring == shared::patch_point_count(static_cast<uint32_t>(root));
     if (table.options.scheme == Scheme::loop) c.corners = shared::kGridCornersTriangle;
     if (regular && root == PlanNodeKind::bicubic) c.corners = shared::kGridCornersBicubic;
     if (regular && root == PlanNodeKind::box_spline) c.corners = shared::kGridCornersBoxSpline;
@@ -140,8 +150,7 @@ void write_weights(const BasicPatchTable<Real>& table, const ClassKey& key, cons
             for (uint32_t j = 0; j < 4 * c.group_count; ++j) {
                 const size_t group =
                     c.first_weight + (size_t{j / 4} * out.value_count + k) * c.sample_count + s;
-                out.weights[4 * group + j % 4] =
-                    j < c.ring_size ? static_cast<float>(row[j]) : 0.0f;
+                out.weights[4 * group + j % 4] = j < c.ring_size ? static_cast<float>(row[j]) : 0.0f;
             }
         }
     }

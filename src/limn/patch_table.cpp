@@ -36,6 +36,11 @@ struct Builder {
     void walk(const Candidate& c, Neighborhood& hood) const {
         walk_around({level(c)}, c.face, {c.rotation, false}, hood);
     }
+    /// Which of the children of its face a quad is, where they keep the face's orientation: else 0.
+    uint32_t place_in_parent(const Candidate& c) const {
+        const uint32_t parent = base.face_of_corner(c.face);
+        return base.size_of_face(parent) == 4 ? c.face - base.face_begin(parent) : 0;
+    }
     /// body(candidate, its ring) in order of candidates.
     template <class Body>
     void for_each_ring(const Body& body) {
@@ -92,6 +97,14 @@ Array<uint32_t> list_surfaces(const std::vector<uint8_t>& regular, Builder& b) {
     return out;
 }
 
+/// Makes corner 1 of the patch corner 0.
+void rotate_bicubic_ring(uint32_t (&ring)[16]) {
+    uint32_t old[16];
+    std::copy_n(ring, 16, old);
+    for (uint32_t v = 0; v < 4; ++v)
+        for (uint32_t u = 0; u < 4; ++u) ring[4 * v + u] = old[4 * u + (3 - v)];
+}
+
 /// Rings of all candidates, and hashes of what their plans depend on.
 void walk_surfaces(Builder& b) {
     const size_t count = b.candidates.size(), chunks = (count + kChunk - 1) / kChunk;
@@ -108,6 +121,11 @@ void walk_surfaces(Builder& b) {
                 uint32_t ring[16], ring_size;
                 if (find_regular_ring(b.level(c), c.face, b.options.linear, ring, ring_size)) {
                     c.regular = 1;
+                    // Each quad child from the corner of its parent: grids then sample all four alike.
+                    c.rotation = c.refined != 0 && b.child.face_size == 4 && ring_size == 16
+                                     ? b.place_in_parent(c) & 3
+                                     : 0;
+                    for (uint32_t k = 0; k < c.rotation; ++k) rotate_bicubic_ring(ring);
                     rings.insert(rings.end(), ring, ring + ring_size);
                 } else {
                     c.rotation = choose_plan_corner(b.level(c), c.face) & 3;
