@@ -195,15 +195,21 @@ Result<StencilEvaluation> SurfaceEvaluator::prepare_points(const SurfacePointsIn
 
 namespace {
 
+/// Position and normal of a sample are six floats in a row.
+bool are_adjacent(const GridEvaluationInfo& info) {
+    return info.normals.buffer == info.values.buffer && info.normals.stride == info.values.stride &&
+           byte_of(info.normals, 0, 0) == byte_of(info.values, 0, 3);
+}
+
 /// What the batches of one pass bind.
 std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& reads, uint32_t pass) {
     const DeviceGridTable& grid = *info.grid;
     const uint64_t first = uint64_t{pass} * grid.faces_per_pass * grid.samples_per_face;
     const uint64_t last =
         std::min(grid.sample_count(), first + uint64_t{grid.faces_per_pass} * grid.samples_per_face) - 1;
-    auto write = [&](const PointBuffer& points) {
+    auto write = [&](const PointBuffer& points, uint32_t width) {
         const PointBuffer& p = points.buffer != VK_NULL_HANDLE ? points : info.values;
-        return reads.write(p.buffer, byte_of(p, first, 0), byte_of(p, last, info.width));
+        return reads.write(p.buffer, byte_of(p, first, 0), byte_of(p, last, width));
     };
     const bool normals = info.normals.buffer != VK_NULL_HANDLE;
     return {reads.bind(info.patches->words.handle, 0, info.patches->words.size_bytes, kWords),
@@ -211,9 +217,9 @@ std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& 
             reads.bind(grid.weights.handle, 0, grid.weights.size_bytes, kGroups),
             reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
                        byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
-            write(info.values),
-            write(normals ? info.normals : info.du),
-            write(info.dv)};
+            write(info.values, are_adjacent(info) ? 6 : info.width),
+            write(normals ? info.normals : info.du, info.width),
+            write(info.dv, info.width)};
 }
 
 GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const BoundBuffer> bound,
@@ -243,13 +249,6 @@ GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const Bound
     return params;
 }
 
-/// Position and normal of a sample are six floats that can be stored as three pairs.
-bool is_paired(const GridEvaluationInfo& info, const GridEvalParams& params) {
-    return info.normals.buffer == info.values.buffer && info.normals.stride == info.values.stride &&
-           byte_of(info.normals, 0, 0) == byte_of(info.values, 0, 3) && info.values.stride % 2 == 0 &&
-           params.value_base % 2 == 0;
-}
-
 }  // namespace
 
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInfo& info) const {
@@ -274,12 +273,13 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
             set = *added;
         }
         const GridEvalParams params = grid_params(info, bound, batch);
+        const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
         const uint32_t per_chunk = (batch.sample_count - 1) / params.chunk_count + 1;
         const uint32_t invocations = std::min(kMaxInvocations, (per_chunk + lanes - 1) / lanes * lanes);
         auto pipeline = state_->pipeline(
             kGrid, {std::min(batch.group_count, 8u), output, info.width, info.patches->narrow_rings,
                     invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1,
-                    batch.corners, batch.tile_surfaces, is_paired(info, params)});
+                    batch.corners, batch.tile_surfaces, paired});
         if (!pipeline) return pipeline.error();
         recording.add_dispatch(*pipeline, set, uint64_t{batch.tile_count} * params.chunk_count, params);
     }
