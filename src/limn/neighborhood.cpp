@@ -67,11 +67,19 @@ void read_star(const Topology& t, const WalkOptions& options, uint32_t corner, b
     put(order.edges);
     put(options.with_tangents ? order.own : order.own_position());
     put(bits(t.vertex_sharpness[v]));
+    // The edges, which follow below, tell all vertices of a fan of triangles, and of quads all but one each.
+    const bool fan = t.vertex_manifold[v] != 0 && t.face_size != 0;
     for (uint32_t i = 0; i < order.corners; ++i) {
         const uint32_t c = corners[order.corner(i)], f = t.face_of_corner(c);
+        if (options.list_faces) {
+            const auto next_face = static_cast<uint32_t>(out.faces.size());
+            if (out.face_map.find_or_insert(f, next_face) == next_face) out.faces.push_back(f);
+        }
+        if (fan) {
+            if (t.face_size == 4) put(out.local(base.face_vertices[(c & ~3u) | ((c + 2) & 3)]));
+            continue;
+        }
         const uint32_t begin = t.face_begin(f), last = begin + t.size_of_face(f) - 1;
-        const auto next_face = static_cast<uint32_t>(out.faces.size());
-        if (out.face_map.find_or_insert(f, next_face) == next_face) out.faces.push_back(f);
         put(last + 1 - begin);
         for (uint32_t k = begin, at = c; k <= last; ++k) {
             put(out.local(base.face_vertices[at]));

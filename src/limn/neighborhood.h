@@ -43,6 +43,7 @@ struct WalkOptions {
     const Topology& base;
     const Topology* uncut = nullptr;
     bool with_tangents = false;
+    bool list_faces = true;  ///< fill in Neighborhood::faces, but for the face itself
 };
 
 /// Two faces of one mesh whose signatures are equal have equal stencils, ring position by ring position, at

@@ -33,8 +33,10 @@ struct Builder {
     std::vector<std::vector<uint32_t>> chunk_rings;  ///< vertices of the candidate's level
 
     const Topology& level(const Candidate& c) const { return c.refined != 0 ? child : base; }
-    void walk(const Candidate& c, Neighborhood& hood) const {
-        walk_around({level(c)}, c.face, {c.rotation, false}, hood);
+    void walk(const Candidate& c, bool list_faces, Neighborhood& hood) const {
+        WalkOptions options{level(c)};
+        options.list_faces = list_faces;
+        walk_around(options, c.face, {c.rotation, false}, hood);
     }
     /// Which of the children of its face a quad is, where they keep the face's orientation: else 0.
     uint32_t place_in_parent(const Candidate& c) const {
@@ -129,7 +131,7 @@ void walk_surfaces(Builder& b) {
                     rings.insert(rings.end(), ring, ring + ring_size);
                 } else {
                     c.rotation = choose_plan_corner(b.level(c), c.face) & 3;
-                    b.walk(c, hood);
+                    b.walk(c, false, hood);
                     c.hash = hash_signature(hood.signature);
                     ring_size = static_cast<uint32_t>(hood.ring.size());
                     rings.insert(rings.end(), hood.ring.begin(), hood.ring.end());
@@ -160,7 +162,7 @@ void find_plans(Builder& b, PlanSet& plans) {
         }
         const auto [at, is_new] = found.try_emplace(c.hash, 0);
         if (is_new) {
-            b.walk(c, hood);
+            b.walk(c, true, hood);
             const PlanKey key = make_plan_key(b.level(c), hood, b.options);
             at->second =
                 plans.find_or_request(key, [&] { return request_plan(b.level(c), hood, c.rotation, key); });

@@ -1,6 +1,7 @@
 #include "limn/plan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -64,9 +65,6 @@ struct ChildRows {
         }
         return rows.row(v);
     }
-    void make(const Row& needed) {
-        for (const RowEntry& e : needed) row(e.index);
-    }
 };
 
 struct PlanWriter {
@@ -79,23 +77,20 @@ struct PlanWriter {
     size_t width() const { return plan.ring_size; }
     size_t stride() const { return shared::plan_row_stride(plan.ring_size); }
 
-    uint32_t append_row(const std::vector<double>& row) {
-        plan.weights.insert(plan.weights.end(), row.begin(), row.end());
+    uint32_t append_row(const double* row) {
+        plan.weights.insert(plan.weights.end(), row, row + width());
         plan.weights.resize(++plan.row_count * stride(), 0.0);
         return plan.row_count - 1;
     }
-    uint32_t write_row(std::vector<double>& row) {
+    uint32_t write_row(double* row) {
         uint64_t hash = 0;
-        for (double& w : row) {
-            w += 0.0;  // no negative zeros
-            uint64_t bits;
-            std::memcpy(&bits, &w, sizeof bits);
-            hash = (hash ^ bits) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+        for (size_t j = 0; j < width(); ++j) {
+            row[j] += 0.0;  // no negative zeros
+            hash = (hash ^ std::bit_cast<uint64_t>(row[j])) * 0x9e3779b97f4a7c15 ^ hash >> 29;
         }
         const auto [begin, end] = rows_by_hash.equal_range(hash);
         for (auto at = begin; at != end; ++at)
-            if (std::equal(row.begin(), row.end(),
-                           plan.weights.begin() + static_cast<ptrdiff_t>(at->second * stride())))
+            if (std::memcmp(row, plan.weights.data() + at->second * stride(), width() * sizeof(double)) == 0)
                 return at->second;
         const uint32_t number = append_row(row);
         rows_by_hash.emplace(hash, number);
@@ -104,22 +99,25 @@ struct PlanWriter {
 
     void write_corner_rows(const Topology& t, const VertexRows& rows);
 
-    using Net = std::vector<std::vector<double>>;
+    /// Rows of a patch's points, one after the other.
+    using Net = std::vector<double>;
 
     template <class Rows>
     Net make_net(const PatchPoints& patch, Rows& rows) const {
-        Net net(patch.count, std::vector<double>(width(), 0.0));
-        for (uint32_t k = 0; k < patch.count; ++k)
+        Net net(patch.count * width(), 0.0);
+        for (uint32_t k = 0; k < patch.count; ++k) {
+            double* to = net.data() + k * width();
             for (const RowEntry& e : patch.points[k]) {
                 const double* from = rows.row(e.index);
-                for (size_t j = 0; j < width(); ++j) net[k][j] += e.weight * from[j];
+                for (size_t j = 0; j < width(); ++j) to[j] += e.weight * from[j];
             }
+        }
         return net;
     }
     void write_patch(uint32_t node, PlanNodeKind kind, Net& net) {
         plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0),
                             static_cast<uint32_t>(plan.points.size())};
-        for (auto& row : net) plan.points.push_back(write_row(row));
+        for (size_t at = 0; at < net.size(); at += width()) plan.points.push_back(write_row(net.data() + at));
     }
     uint32_t add_nodes(uint32_t count) {
         const auto first = static_cast<uint32_t>(plan.nodes.size());
@@ -183,7 +181,7 @@ void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
             for (size_t j = 0; j < width(); ++j) sums[k][j] += weights[k] * from[j];
     }
     // Told by their place, also where two rows are equal.
-    for (const auto& sum : sums) append_row(sum);
+    for (const auto& sum : sums) append_row(sum.data());
     plan.has_corner_rows = true;
 }
 
@@ -203,13 +201,13 @@ void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, Net net) 
         for (size_t along = 0; along < 4; ++along) {
             for (size_t j = 0; j < width(); ++j) {
                 double p[4];
-                for (size_t line = 0; line < 4; ++line) p[line] = net[entry(line, along)][j];
+                for (size_t line = 0; line < 4; ++line) p[line] = net[entry(line, along) * width() + j];
                 const double smooth = (p[0] + 6 * p[1] + p[2]) / 8;
                 const double child[5] = {(p[0] + p[1]) / 2, sharp * p[1] + (1 - sharp) * smooth,
                                          (p[1] + p[2]) / 2, (p[1] + 6 * p[2] + p[3]) / 8, (p[2] + p[3]) / 2};
                 for (size_t line = 0; line < 4; ++line) {
-                    near[entry(line, along)][j] = child[line];
-                    beyond[entry(line, along)][j] = child[line + 1];
+                    near[entry(line, along) * width() + j] = child[line];
+                    beyond[entry(line, along) * width() + j] = child[line + 1];
                 }
             }
         }
@@ -232,7 +230,7 @@ void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face
     for (const uint32_t v : hood.ring) {
         const double* from = rows.row(v);
         row.assign(from, from + width());
-        plan.points.push_back(write_row(row));
+        plan.points.push_back(write_row(row.data()));
     }
     PlanReference reference{make_plan_key(t, hood, options), {}};
     size_t at = 0;
