@@ -62,6 +62,11 @@ struct SurfaceUnderTest {
     PatchSample place_on_edge(uint32_t f, uint32_t c, double t) const;
 };
 
+// Meshes of many faces have many alike: every how manieth of `count` is looked at.
+inline uint32_t stride_of(uint32_t count) {
+    return 1 + count / 300;
+}
+
 // Places all over, half of them within 2^-13 .. 1 of the ptex faces' corners.
 std::vector<PatchSample> scattered_places(uint32_t ptex_face_count, bool triangles, uint64_t seed);
 

@@ -56,12 +56,14 @@ uint32_t last_level_within(const TestMesh& mesh, uint32_t max_level, uint64_t ma
     return level;
 }
 
-// What borders have in common is compared by check_borders.
-std::vector<RefinedCorner> one_per_vertex(const std::vector<RefinedCorner>& corners, uint32_t vertex_count) {
-    std::vector<uint8_t> seen(vertex_count, 0);
+// One corner of each refined vertex: what borders have in common is compared by check_borders.
+std::vector<RefinedCorner> corners_to_compare(const OsdOracle& oracle, bool triangles, uint32_t ptex_count) {
+    std::vector<uint8_t> seen(oracle.vertex_count(oracle.level_count() - 1), 0);
     std::vector<RefinedCorner> result;
-    for (const RefinedCorner& corner : corners)
+    for (const RefinedCorner& corner : refined_corners(oracle, triangles)) {
+        if (corner.place.face % stride_of(ptex_count) != 0) continue;
         if (std::exchange(seen[corner.vertex], uint8_t{1}) == 0) result.push_back(corner);
+    }
     return result;
 }
 
@@ -109,7 +111,7 @@ Checker::Checker(const TestMesh& m, const Effort& e)
         return;
     }
     if (level >= sharp_levels)
-        corners = one_per_vertex(refined_corners(*uniform, triangles), uniform->vertex_count(level));
+        corners = corners_to_compare(*uniform, triangles, patches->ptex_face_count());
     else
         leave_out("limits deeper than can be refined");
     places = scattered_places(patches->ptex_face_count(), triangles, 5);
@@ -192,7 +194,7 @@ constexpr double kAlongBorders[] = {0, 0.0013, 0.3, 0.5, 0.97, 1};
 void add_edges(const SurfaceUnderTest& s, Borders& borders) {
     const Topology& t = s.base;
     const bool linear = t.options.scheme == Scheme::bilinear;
-    for (uint32_t e = 0; e < t.edge_count; ++e) {
+    for (uint32_t e = 0; e < t.edge_count; e += stride_of(t.edge_count)) {
         const auto corners = t.corners_of_edge(e);
         if (t.edge_vertices[2 * e] == t.edge_vertices[2 * e + 1]) continue;
         const bool smooth = corners.size() == 2 && !is_infinite(t.edge_sharpness[e]) && !linear;
@@ -211,7 +213,8 @@ void add_edges(const SurfaceUnderTest& s, Borders& borders) {
 // The lines along which ptex faces may be split, and those between the ptex faces of a polygon.
 void add_inner_borders(const SurfaceUnderTest& s, Borders& borders) {
     const bool linear = s.mesh.options.scheme == Scheme::bilinear;
-    for (uint32_t p = 0; p < s.ptex_faces.size(); ++p) {
+    const auto ptex_count = static_cast<uint32_t>(s.ptex_faces.size());
+    for (uint32_t p = 0; p < ptex_count; p += stride_of(ptex_count)) {
         const SurfaceUnderTest::PtexFace& ptex = s.ptex_faces[p];
         for (const double line : {0.5, 0.75}) {
             const double beyond = std::nextafter(line, 1.0);
@@ -264,8 +267,7 @@ void Checker::check_limit_normals(const SurfaceUnderTest& surface) const {
     const uint32_t last = shallow->level_count() - 1;
     const OsdOracle::Limits limits = shallow->limits(control_points);
     if (limits.tangents1.empty()) return leave_out("limit normals that OpenSubdiv cannot compute (meshes)");
-    const std::vector<RefinedCorner> at =
-        one_per_vertex(refined_corners(*shallow, triangles), shallow->vertex_count(last));
+    const std::vector<RefinedCorner> at = corners_to_compare(*shallow, triangles, patches->ptex_face_count());
     std::vector<PatchSample> samples;
     for (const RefinedCorner& corner : at) samples.push_back(corner.place);
     const SurfaceUnderTest::Values ours = surface.evaluate(samples, Derivatives::first);
