@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -172,18 +173,37 @@ TEST(OpenSubdivDeviations, second_derivatives_have_the_wrong_sign_in_turned_tria
             seen[at[0].turned] = true;
         }
     }
-    EXPECT_TRUE(seen[0] || seen[1]);
-    EXPECT_TRUE(seen[1]);
+    EXPECT_TRUE(seen[0] && seen[1]);
 }
 
-// Far's adaptive refinement against OpenSubdiv's own uniform one: an edge of sharpness 1 between others of 4.
-TEST(OpenSubdivDeviations, chaikin_creasing_in_adaptive_refinement) {
+// Far's adaptive refinement against OpenSubdiv's own uniform one, and limn's surface: a semi-sharp edge
+// between two holes, which Far does not refine, meets another.
+TEST(OpenSubdivDeviations, chaikin_creasing_in_adaptive_refinement_misses_edges_between_holes) {
     TestMesh mesh = perturbed(make_grid(3, 3));
     mesh.options.creasing = CreasingMethod::chaikin;
-    mesh.add_crease(0, 1, 0.2);
+    mesh.holes = {4, 5};
+    mesh.add_crease(5, 6, 3);
+    mesh.add_crease(6, 10, 1.5);
     std::string error;
     const auto uniform = OsdOracle::create(mesh, 4, &error);
-    ASSERT_TRUE(uniform) << error;
+    const auto patches = OsdPatchOracle::create(mesh, 10, &error);
+    ASSERT_TRUE(uniform && patches) << error;
+    const SurfaceUnderTest surface(mesh, false);
+    const std::vector<double> limits = uniform->limits(surface.control_points).positions;
+    const std::vector<RefinedCorner> corners = refined_corners(*uniform, false);
+    std::vector<PatchSample> places;
+    for (const RefinedCorner& corner : corners) places.push_back(corner.place);
+    const auto ours = surface.evaluate(places, Derivatives::none);
+    const auto far = patches->far_places(surface.control_points, places);
+    double our_error = 0, far_error = 0;
+    for (size_t c = 0; c < corners.size(); ++c) {
+        if (!far[c].valid) continue;
+        const Vector truth = vector_at(limits, corners[c].vertex);
+        our_error = std::max(our_error, length(ours.at(c, 0) - truth));
+        far_error = std::max(far_error, length(truth - far[c].values[0]));
+    }
+    EXPECT_LE(our_error, kFadingSurfaceTolerance * surface.size);
+    EXPECT_GT(far_error, 1e-4 * surface.size);
 }
 
 }  // namespace

@@ -2,29 +2,27 @@
 // limits of uniformly refined vertices, which are the truth. And against itself across borders.
 //
 // What is left out, by the names that the log counts it under, and why:
-//   "Chaikin creasing that extrapolates": meshes on which OpenSubdiv's edge blend does, see
-//   refinement_checks.h;
-//       limn's compatible mode is compared, its own is not.
-//   "Chaikin creasing in adaptive refinement": meshes on which Far departs from OpenSubdiv's own uniform
-//       refinement, because it averages sharpness over those edges around a vertex that it has refined. The
-//       uniform refinement stays the oracle.
-//   "sign of second derivatives in turned triangles": Far's is wrong there, against its own first
-//   derivatives.
-//       Compared with the sign turned back.
-//   "limits at infinitely sharp darts", "limits at interior vertices of two faces": OpenSubdiv takes the
-//   smooth
-//       mask, and a corner's. The vertex itself is left out, the surface around it compared.
-//   "normals at irregular creases, boundaries and corners": OpenSubdiv's cross tangents are those of other
-//       rules, and corners of several faces have no tangent plane.
-//   "normals across sharp edges": there are two.
-//   "normals where tangents are parallel": there is none.
-//   "Bfr, ...": Bfr 3.5 averages Chaikin creasing in a way of its own, and reads past its arrays where the
-//   mesh
-//       is not manifold or an interior vertex has two faces.
-//   "limn's normals at extraordinary vertices of small valence", "... of large valence": at the vertex
-//   itself,
-//       where limn takes secants; see limit_normal_bound.
-//   "limits deeper than can be refined": sharpness that outlasts the levels that there is memory for.
+// - "Chaikin creasing that extrapolates": meshes on which OpenSubdiv's edge blend does (refinement_checks.h).
+//   limn's compatible mode is compared, its own is not.
+// - "Chaikin creasing in adaptive refinement": meshes on which Far departs from OpenSubdiv's own uniform
+//   refinement. It averages sharpness over the edges around a vertex that it has refined, and edges between
+//   holes are not among them. The uniform refinement stays the oracle. Likewise where sharpness lasts too
+//   long to refine uniformly, so that nobody can tell.
+// - "sign of second derivatives in turned triangles": Far's is wrong, against its own first derivatives.
+//   Compared with the sign turned back.
+// - "limits at infinitely sharp darts", "limits at interior vertices of two faces": OpenSubdiv takes the
+// smooth
+//   mask there, and a corner's. The vertex itself is left out, the surface around it is compared.
+// - "normals at irregular creases, boundaries and corners": OpenSubdiv's cross tangents are those of other
+//   rules, and corners of several faces have no tangent plane.
+// - "normals across sharp edges": there are two. "normals where tangents are parallel": there is none.
+// - "limit normals that OpenSubdiv cannot compute": where a vertex that is not manifold is a crease.
+// - "Bfr, ...": Bfr 3.5 averages Chaikin creasing in a way of its own, and reads past its arrays where the
+//   mesh is not manifold or an interior vertex has two faces.
+// - "limits deeper than can be refined": sharpness that outlasts the levels that there is memory for.
+// - "limn's normals at extraordinary vertices of small valence", "... of large valence": limn's own
+// shortcoming,
+//   at the vertex itself, where it takes secants. See limit_normal_bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
