@@ -214,12 +214,15 @@ std::vector<double> OpenSubdivReference::refine_face_varying(std::span<const flo
 std::vector<uint8_t> OpenSubdivReference::vertices_with_true_limits() const {
     const Far::TopologyLevel& last = data_->last();
     const bool linear = data_->refiner->GetSchemeType() == Sdc::SCHEME_BILINEAR;
+    auto fades = [](float sharpness) { return Sdc::Crease::IsSemiSharp(sharpness); };
     std::vector<uint8_t> result(static_cast<size_t>(last.GetNumVertices()), 1);
     for (int v = 0; v < last.GetNumVertices() && !linear; ++v) {
         const Sdc::Crease::Rule rule = last.GetVertexRule(v);
         const bool two_faces = last.GetVertexFaces(v).size() == 2 && !last.IsVertexBoundary(v);
-        if (rule == Sdc::Crease::RULE_DART || (rule == Sdc::Crease::RULE_SMOOTH && two_faces))
-            result[static_cast<size_t>(v)] = 0;
+        bool other = rule == Sdc::Crease::RULE_DART || (rule == Sdc::Crease::RULE_SMOOTH && two_faces) ||
+                     fades(last.GetVertexSharpness(v));
+        for (const int edge : last.GetVertexEdges(v)) other = other || fades(last.GetEdgeSharpness(edge));
+        if (other) result[static_cast<size_t>(v)] = 0;
     }
     return result;
 }

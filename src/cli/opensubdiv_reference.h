@@ -29,7 +29,8 @@ class OpenSubdivReference {
     std::vector<double> refine(std::span<const float> control_points) const;
     ReferenceLimits limits(std::span<const float> control_points) const;
     /// 1 for each vertex of the last level whose limit is that of the refinement. OpenSubdiv has another
-    /// where a single infinitely sharp edge ends, and inside the surface at vertices of two faces.
+    /// where sharpness has yet to fade, where a single infinitely sharp edge ends, and inside the surface at
+    /// vertices of two faces.
     std::vector<uint8_t> vertices_with_true_limits() const;
     /// Bfr 3.5 reads past its arrays on other meshes.
     bool bfr_is_safe() const;
