@@ -329,8 +329,10 @@ void check_patches(const TestMesh& mesh, const Effort& effort) {
     if (mesh.options.creasing == CreasingMethod::chaikin) return checker.check(true);
     // Nothing else depends on the mode.
     const SurfaceUnderTest surfaces[] = {{mesh, false}, {mesh, true}};
-    EXPECT_EQ(surfaces[0].evaluate(checker.places, Derivatives::second).numbers,
-              surfaces[1].evaluate(checker.places, Derivatives::second).numbers);
+    EXPECT_TRUE(same_numbers(surfaces[0].evaluate(checker.places, Derivatives::none).numbers,
+                             surfaces[1].evaluate(checker.places, Derivatives::none).numbers,
+                             kDoubleTolerance * mesh.size()))
+        << "compatible mode";
 }
 
 class PatchConformance : public testing::TestWithParam<size_t> {
