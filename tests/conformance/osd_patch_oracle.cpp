@@ -30,8 +30,8 @@ struct Point {
     }
 };
 
-// OpenSubdiv measures derivatives in faces that are not quads by halves of the ptex face: by the level-1
-// face's own share of what it takes for a quad.
+// In a face that is not a quad, OpenSubdiv's u and v go from 0 to 1/2 over a ptex face, as they do over a
+// level-1 quadrant of a quad.
 void halve_parameters(Values& values) {
     for (size_t k = 1; k < 6; ++k)
         for (double& x : values[k]) x *= k < 3 ? 0.5 : 0.25;

@@ -50,8 +50,9 @@ double bending_ratio(bool triangles, uint32_t valence) {
     return std::max(0.25, saddle) / ring_eigenvalue(triangles, valence, 1);
 }
 
-// Degrees by which a normal may be off that is taken `levels` levels above a smooth vertex: 25 for none
-// (opensubdiv.md 4.1 has 8 at level 1), and less by the ratio of the bending to the tangents for each.
+// Degrees by which the normal of an end cap may be off that is `levels` levels above a smooth vertex: 25 for
+// none (up to 8 are seen at the first levels of ordinary meshes, 22 at poles of 64 faces), and less by the
+// ratio of the bending to the tangents for each.
 double normal_bound(bool triangles, uint32_t valence, double levels) {
     return std::max(0.1, 25 * std::pow(bending_ratio(triangles, valence), std::max(levels, 0.0)));
 }

@@ -22,8 +22,8 @@ namespace limn::test {
 inline constexpr double kSurfaceTolerance = 1e-11;
 // OpenSubdiv keeps the sharpness of edges, and the share of a rule that is fading, in float.
 inline constexpr double kFadingSurfaceTolerance = 1e-7;
-// Of the size of the end cap. Level 10 moves points within the cap along the surface (opensubdiv.md 4.1: by
-// 5 % for small valences, more where rings shrink slowly), and hardly off it.
+// Of the size of the end cap. Gregory patches put points elsewhere along the surface (by 5 % of their size at
+// small valences, by more where rings shrink slowly), and hardly off it.
 inline constexpr double kCapTolerance = 0.3;
 inline constexpr double kCapNormalTolerance = 0.12;
 inline constexpr double kBfrTolerance = 5e-5;
