@@ -4,15 +4,17 @@
 // What is left out, by the names that the log counts it under, and why:
 // - "Chaikin creasing that extrapolates": meshes on which OpenSubdiv's edge blend does (refinement_checks.h).
 //   limn's compatible mode is compared, its own is not.
-// - "Chaikin creasing in adaptive refinement": meshes on which Far departs from OpenSubdiv's own uniform
-//   refinement. It averages sharpness over the edges around a vertex that it has refined, and edges between
-//   holes are not among them. The uniform refinement stays the oracle. Likewise where sharpness lasts too
-//   long to refine uniformly, so that nobody can tell.
+// - "semi-sharp features in adaptive refinement": meshes on which Far departs from OpenSubdiv's own uniform
+//   refinement. With Chaikin creasing it averages sharpness over the edges around a vertex that it has
+//   refined, and edges between holes are not among them; and some meshes that are not manifold it has
+//   otherwise. The uniform refinement stays the oracle. Likewise where sharpness lasts too long to refine
+//   uniformly, so that nobody can tell.
 // - "sign of second derivatives in turned triangles": Far's is wrong, against its own first derivatives.
 //   Compared with the sign turned back.
 // - "limits at infinitely sharp darts", "limits at interior vertices of two faces": OpenSubdiv takes the
 // smooth
-//   mask there, and a corner's. The vertex itself is left out, the surface around it is compared.
+//   mask there, and a corner's. The vertex itself is left out, and the end caps that begin at those of two
+//   faces; the surface around them is compared.
 // - "normals at irregular creases, boundaries and corners": OpenSubdiv's cross tangents are those of other
 //   rules, and corners of several faces have no tangent plane.
 // - "normals across sharp edges": there are two. "normals where tangents are parallel": there is none.
@@ -116,7 +118,7 @@ Checker::Checker(const TestMesh& m, const Effort& e)
     if (far_is_self_consistent())
         far = patches->far_places(control_points, places);
     else
-        leave_out("Chaikin creasing in adaptive refinement (meshes)");
+        leave_out("semi-sharp features in adaptive refinement (meshes)");
     if (!far.empty() && bfr_is_safe()) bfr = patches->bfr_places(control_points, kIsolationLevel, places);
 }
 
@@ -142,7 +144,9 @@ std::vector<uint8_t> Checker::vertices_with_limits(const OsdOracle& oracle) cons
 }
 
 bool Checker::far_is_self_consistent() const {
-    if (!is_chaikin()) return true;
+    const std::vector<uint8_t> manifold = uniform->vertex_manifold(0);
+    const bool all_manifold = std::find(manifold.begin(), manifold.end(), 0) == manifold.end();
+    if (!is_chaikin() && (all_manifold || mesh.max_finite_sharpness() == 0)) return true;
     if (corners.empty()) return false;
     const OsdOracle::Limits limits = uniform->limits(control_points);
     const std::vector<uint8_t> compared = vertices_with_limits(*uniform);

@@ -215,5 +215,31 @@ TEST_F(PatchDeep, DISABLED_normals_at_extraordinary_vertices) {
     }
 }
 
+// Where limn is wrong today: a vertex that is not manifold, a crease of two infinitely sharp edges, and one
+// of its fans begins and ends at the same one of them.
+TEST_F(PatchDeep, DISABLED_loop_creases_whose_edges_lie_in_different_fans) {
+    TestMesh mesh;
+    mesh.options.scheme = Scheme::loop;
+    constexpr double kPoints[6][3] = {{0, 0, 0},      {1, 0, 0.2},     {0.3, 1, 0.5},
+                                      {-1, 0.4, 0.1}, {-0.5, -1, 0.3}, {0.6, -0.9, -0.4}};
+    for (const auto& p : kPoints) mesh.add_vertex(p[0], p[1], p[2]);
+    for (const auto& [a, b, c] :
+         {std::array{1u, 2u, 0u}, {1u, 0u, 3u}, {4u, 3u, 0u}, {4u, 0u, 1u}, {5u, 2u, 0u}, {5u, 0u, 1u}})
+        mesh.add_face({a, b, c});
+    std::string error;
+    const auto oracle = OsdOracle::create(mesh, 3, &error);
+    ASSERT_TRUE(oracle) << error;
+    const SurfaceUnderTest surface(mesh, false);
+    const std::vector<double> limits = oracle->limits(surface.control_points).positions;
+    std::vector<PatchSample> places;
+    const std::vector<RefinedCorner> corners = refined_corners(*oracle, true);
+    for (const RefinedCorner& corner : corners) places.push_back(corner.place);
+    const auto ours = surface.evaluate(places, Derivatives::none);
+    double worst = 0;
+    for (size_t c = 0; c < corners.size(); ++c)
+        worst = std::max(worst, length(ours.at(c, 0) - vector_at(limits, corners[c].vertex)));
+    EXPECT_LE(worst, kSurfaceTolerance);
+}
+
 }  // namespace
 }  // namespace limn::test
