@@ -130,6 +130,31 @@ TEST_F(Program, agrees_with_opensubdiv) {
     EXPECT_NE(outcome.output.find("texture coordinates"), std::string::npos);
 }
 
+TEST_F(Program, checks_the_limit_surface) {
+    // A polygon, an infinite dart, a hole and a boundary.
+    write("mixed.obj",
+          "v 0 0 0\nv 1 0 0.2\nv 2 0 0\nv 0 1 0.3\nv 1 1 0\nv 2 1 0.1\nv 0 2 0\nv 1 2 0.4\nv 2 2 0\nv 3 1 0\n"
+          "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\nf 3 10 9 6\nt crease 2/1/0 3 4 10\nt hole 1/0/0 1\n");
+    write("loop.obj", "v 0 0 0\nv 1 0 0.2\nv 0 1 0.3\nv 0.3 0.3 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    for (const char* model :
+         {"cube.obj", "mixed.obj", "loop.obj --scheme loop", "cube.obj --scheme bilinear"}) {
+        const Outcome outcome = run(std::string("check --device cpu ") + model);
+        EXPECT_EQ(outcome.status, 0) << model << outcome.output << outcome.errors;
+        for (const char* row : {"surface points", "surface derivatives", "surface 2nd derivatives",
+                                "surface normals", "float table, points", "surface, level-3 limits"})
+            EXPECT_NE(outcome.output.find(row), std::string::npos) << model << ": " << row;
+        EXPECT_EQ(outcome.output.find(" OUT"), std::string::npos) << outcome.output;
+    }
+    const Outcome mixed = run("check --device cpu mixed.obj");
+    EXPECT_NE(mixed.output.find("points, irregular"), std::string::npos) << mixed.output;
+    EXPECT_NE(mixed.output.find("Bfr"), std::string::npos) << mixed.output;
+    // Where OpenSubdiv's patches are no reference, the program says so.
+    const Outcome chaikin = run("check --device cpu cube.obj --creasing chaikin");
+    EXPECT_EQ(chaikin.status, 0) << chaikin.output << chaikin.errors;
+    EXPECT_NE(chaikin.output.find("Chaikin creases: "), std::string::npos) << chaikin.output;
+    EXPECT_EQ(chaikin.output.find("surface points"), std::string::npos) << chaikin.output;
+}
+
 TEST_F(Program, lists_devices) {
     const Outcome outcome = run("devices");
     EXPECT_EQ(outcome.status, 0) << outcome.errors;

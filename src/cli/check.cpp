@@ -3,37 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "cli/point_runner.h"
+#include "cli/check.h"
 #include "limn/refinement.h"
-#ifdef LIMN_HAVE_OPENSUBDIV
-#include "cli/opensubdiv_reference.h"
-#endif
 
 namespace limn::cli {
-namespace {
-
-struct Options {
-    std::vector<std::string> models;
-    uint32_t level = 3;
-    SurfaceOptions surface;
-    DeviceOption device;
-};
 
 #ifdef LIMN_HAVE_OPENSUBDIV
-
-/// One line of the table: a worst error against its tolerance.
-struct Row {
-    const char* what;
-    double error, tolerance;
-    const char* unit;
-    bool ok() const { return error <= tolerance; }  // false for NaN
-};
-
-/// Differences are told relative to the largest side of the bounding box; positions may also be off by 4 ulp
-/// of the largest coordinate, which matters for small models far from the origin.
-struct Extent {
-    double size = 0, ulp = 0;
-};
 
 Extent extent_of(std::span<const float> points, size_t width) {
     Extent extent;
@@ -52,6 +27,12 @@ Extent extent_of(std::span<const float> points, size_t width) {
     return extent;
 }
 
+#endif
+
+namespace {
+
+#ifdef LIMN_HAVE_OPENSUBDIV
+
 double worst_difference(std::span<const float> ours, std::span<const double> theirs) {
     if (ours.size() != theirs.size()) return HUGE_VAL;
     double worst = 0;
@@ -60,22 +41,6 @@ double worst_difference(std::span<const float> ours, std::span<const double> the
         if (!(difference <= worst)) worst = difference;  // takes NaN, too
     }
     return worst;
-}
-
-struct Vector {
-    double x[3];
-    double length() const { return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]); }
-};
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {{a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2],
-             a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
-}
-
-template <class T>
-Vector vector_at(const std::vector<T>& values, size_t i) {
-    return {{static_cast<double>(values[3 * i]), static_cast<double>(values[3 * i + 1]),
-             static_cast<double>(values[3 * i + 2])}};
 }
 
 /// Largest angle between normals, in degrees, where OpenSubdiv's tangents span a plane.
@@ -96,16 +61,6 @@ double worst_normal_angle(const LimitPoints& ours, const ReferenceLimits& theirs
     return worst;
 }
 
-struct Check {
-    const Options& options;
-    const PointRunner& runner;
-    const LoadedModel& loaded;
-    const OpenSubdivReference& reference;
-    std::vector<Row> rows;
-
-    std::span<const float> points() const { return loaded.model.positions; }
-};
-
 Result<void> check_points(Check& check, const Refinement& refinement) {
     const auto faces = check.reference.face_vertices();
     const Array<uint32_t>& ours = refinement.last().face_vertices;
@@ -113,7 +68,7 @@ Result<void> check_points(Check& check, const Refinement& refinement) {
     check.rows.push_back({"faces", same ? 0.0 : 1.0, 0, "mismatch"});
     const std::vector<double> expected = check.reference.refine(check.points());
     const Extent extent = extent_of(check.points(), 3);
-    const double tolerance = 2e-6 + 4 * extent.ulp / extent.size;
+    const double tolerance = extent.point_tolerance();
 
     std::vector<StencilTable> chain;
     for (uint32_t level = 1; level <= check.options.level; ++level) {
@@ -144,7 +99,7 @@ Result<void> check_limits(Check& check, const Refinement& refinement) {
     const Extent extent = extent_of(check.points(), 3);
     check.rows.push_back({"limit points",
                           worst_difference(limits->positions, expected.positions) / extent.size,
-                          2e-6 + 4 * extent.ulp / extent.size, "of size"});
+                          extent.point_tolerance(), "of size"});
     check.rows.push_back(
         {"limit normals", worst_normal_angle(*limits, expected, extent.size), 0.1, "degrees"});
     return {};
@@ -165,7 +120,7 @@ Result<void> check_texture_coordinates(Check& check) {
     const Extent extent = extent_of(check.loaded.model.texture_coordinates, 2);
     const auto expected = check.reference.refine_face_varying(check.loaded.model.texture_coordinates);
     check.rows.push_back({"texture coordinates", worst_difference(corners, expected) / extent.size,
-                          2e-6 + 4 * extent.ulp / extent.size, "of size"});
+                          extent.point_tolerance(), "of size"});
     return {};
 }
 
@@ -194,17 +149,18 @@ bool print(const std::string& path, const Check& check, double departure) {
     std::printf("%s, level %u, on %s\n", path.c_str(), check.options.level, check.runner.name().c_str());
     bool ok = true;
     for (const Row& row : check.rows) {
-        std::printf("  %-24s %9.2e  of %.1e %s  %s\n", row.what, row.error, row.tolerance, row.unit,
-                    row.ok() ? "ok" : "OUT");
+        std::printf("  %-24s %9.2e  of %.1e %s  %s%s\n", row.what.c_str(), row.error, row.tolerance, row.unit,
+                    row.ok() ? "ok" : "OUT", row.remark.empty() ? "" : ("  (" + row.remark + ")").c_str());
         ok = ok && row.ok();
     }
+    for (const std::string& note : check.notes) std::printf("  %s\n", note.c_str());
     if (departure > 1e-9)
         std::printf("  limn's own limit points, without --compat opensubdiv, lie up to %.2e of size away\n",
                     departure);
     return ok;
 }
 
-Result<bool> check_model(const std::string& path, const Options& options, const PointRunner& runner) {
+Result<bool> check_model(const std::string& path, const CheckOptions& options, const PointRunner& runner) {
     auto progress = std::make_unique<Progress>();
     progress->show("checking " + path);
     SurfaceOptions surface = options.surface;
@@ -215,17 +171,18 @@ Result<bool> check_model(const std::string& path, const Options& options, const 
     if (!refinement) return refinement.error();
     const Result<OpenSubdivReference> reference = OpenSubdivReference::create(loaded->mesh, options.level);
     if (!reference) return Error{reference.error().code, path + ": " + reference.error().message};
-    Check check{options, runner, *loaded, *reference, {}};
+    Check check{options, runner, *loaded, *reference, {}, {}};
     if (auto done = check_points(check, *refinement); !done) return done.error();
     if (auto done = check_limits(check, *refinement); !done) return done.error();
     if (auto done = check_texture_coordinates(check); !done) return done.error();
+    if (auto done = check_surface(check); !done) return done.error();
     const Result<double> departure = default_departure(check, *refinement);
     if (!departure) return departure.error();
     progress.reset();
     return print(path, check, *departure);
 }
 
-int run(const Options& options) {
+int run(const CheckOptions& options) {
     const Result<PointRunner> runner = PointRunner::create(options.device);
     if (!runner) return fail(runner.error());
     bool all_ok = true;
@@ -241,7 +198,7 @@ int run(const Options& options) {
 
 #else
 
-int run(const Options&) {
+int run(const CheckOptions&) {
     return fail({ErrorCode::unsupported, "built without OpenSubdiv: 'check' has nothing to compare with"});
 }
 
@@ -250,7 +207,7 @@ int run(const Options&) {
 }  // namespace
 
 void add_check(CLI::App& program, int& status) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CheckOptions>();
     CLI::App* command =
         program.add_subcommand("check", "Cross-check models against OpenSubdiv, in double precision");
     command->add_option("MODEL", options->models, "OBJ files")->required();

@@ -20,6 +20,7 @@ class PointRunner {
 
     /// Name of the device, or "the host".
     const std::string& name() const { return name_; }
+    bool is_host() const { return !context_.has_value(); }
 
     /// Applies tables one after the other. `source`: tables[0].source_count points of `width` floats.
     Result<std::vector<float>> run(std::span<const StencilTable> tables, std::span<const float> source,

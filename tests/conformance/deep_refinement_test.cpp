@@ -3,109 +3,14 @@
 // limit mask of OpenSubdiv is used; its refinement steps are.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <numbers>
 
+#include "conformance/neighbourhood.h"
 #include "conformance/refinement_checks.h"
+#include "conformance/vectors.h"
 
 namespace limn::test {
 namespace {
-
-using Vector = std::array<double, 3>;
-
-Vector operator-(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-double length(const Vector& a) {
-    return std::sqrt(dot(a, a));
-}
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vector vector_at(std::span<const double> values, size_t i) {
-    return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-}
-// Angle between directions in degrees.
-double angle(const Vector& a, const Vector& b) {
-    return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
-}
-
-// The faces around vertex 0 of a mesh, with points in double: small enough to refine as often as one likes.
-struct Neighbourhood {
-    TestMesh mesh;
-    std::vector<double> points;
-    Vector origin{};    // of `points`; vertex 0 is kept near zero
-    double unit = 1.0;  // of `points`; the ring is kept near size 1
-};
-
-// One step of refinement around vertex 0, cut down to its two rings. Points nearer to the cut than that are
-// wrong, and none of them reaches the next step.
-Neighbourhood refine_around(const Neighbourhood& parent) {
-    std::string error;
-    const auto oracle = OsdOracle::create(parent.mesh, 1, &error);
-    EXPECT_TRUE(oracle) << error;
-    if (!oracle) return parent;
-    const std::vector<double> points = oracle->refine(parent.points, 3).back();
-    const std::vector<uint32_t> sizes = oracle->face_sizes(1), vertices = oracle->face_vertices(1);
-    std::vector<uint8_t> near(oracle->vertex_count(1), 0);
-    near[0] = 1;
-    std::vector<uint8_t> kept(sizes.size(), 0);
-    for (int ring = 0; ring < 2; ++ring) {
-        size_t begin = 0;
-        for (size_t f = 0; f < sizes.size(); begin += sizes[f++]) {
-            for (size_t c = begin; c < begin + sizes[f]; ++c) kept[f] |= near[vertices[c]];
-        }
-        begin = 0;
-        for (size_t f = 0; f < sizes.size(); begin += sizes[f++]) {
-            for (size_t c = begin; c < begin + sizes[f]; ++c) near[vertices[c]] |= kept[f];
-        }
-    }
-    Neighbourhood child;
-    child.mesh.options = parent.mesh.options;
-    child.origin = parent.origin;
-    child.unit = parent.unit;
-    std::vector<uint32_t> map(near.size(), ~0u);
-    for (size_t v = 0; v < near.size(); ++v) {
-        if (!near[v]) continue;
-        const Vector p = vector_at(points, v);
-        map[v] = child.mesh.add_vertex(p[0], p[1], p[2]);
-        child.points.insert(child.points.end(), p.begin(), p.end());
-    }
-    size_t begin = 0;
-    for (size_t f = 0; f < sizes.size(); begin += sizes[f++]) {
-        if (!kept[f]) continue;
-        std::vector<uint32_t> face;
-        for (size_t c = begin; c < begin + sizes[f]; ++c) face.push_back(map[vertices[c]]);
-        child.mesh.add_face(face);
-    }
-    const std::vector<float> sharpness = oracle->edge_sharpness(1);
-    const std::vector<uint32_t> ends = oracle->edge_vertices(1);
-    for (size_t e = 0; e < sharpness.size(); ++e) {
-        const uint32_t a = map[ends[2 * e]], b = map[ends[2 * e + 1]];
-        if (sharpness[e] > 0 && a != ~0u && b != ~0u && child.mesh.has_edge(a, b)) {
-            child.mesh.add_crease(a, b, static_cast<double>(sharpness[e]));
-        }
-    }
-    const std::vector<float> corners = oracle->vertex_sharpness(1);
-    for (size_t v = 0; v < near.size(); ++v) {
-        if (corners[v] > 0 && map[v] != ~0u) child.mesh.add_corner(map[v], static_cast<double>(corners[v]));
-    }
-    // Keep numbers near one, so that differences of neighbours stay exact.
-    const Vector shift = vector_at(child.points, 0);
-    double largest = 0;
-    for (size_t i = 0; i < child.points.size(); ++i) {
-        child.points[i] -= shift[i % 3];
-        largest = std::max(largest, std::abs(child.points[i]));
-    }
-    for (size_t i = 0; i < 3; ++i) child.origin[i] += child.unit * shift[i];
-    for (double& x : child.points) x /= largest;
-    child.unit *= largest;
-    return child;
-}
 
 struct Truth {
     Vector limit;

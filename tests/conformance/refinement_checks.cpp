@@ -88,43 +88,6 @@ std::vector<double> at_corners(const Topology& topology, const std::vector<doubl
     return result;
 }
 
-// True when Chaikin creasing gives an edge sharper than 1 a smooth child: OpenSubdiv then extrapolates.
-bool extrapolates(const TestMesh& mesh, const OsdOracle& oracle) {
-    if (mesh.options.creasing != CreasingMethod::chaikin) return false;
-    for (uint32_t level = 0; level + 1 < oracle.level_count(); ++level) {
-        const std::vector<float> sharpness = oracle.edge_sharpness(level);
-        const std::vector<uint32_t> ends = oracle.edge_vertices(level);
-        std::vector<std::vector<float>> around(oracle.vertex_count(level));
-        for (size_t i = 0; i < ends.size(); ++i) around[ends[i]].push_back(sharpness[i / 2]);
-        for (size_t e = 0; e < sharpness.size(); ++e) {
-            if (sharpness[e] <= 1 || is_infinite(sharpness[e])) continue;
-            bool smooth[2];
-            for (size_t i = 0; i < 2; ++i) {
-                float sum = 0, count = 0;
-                for (float s : around[ends[2 * e + i]]) {
-                    if (s <= 0 || is_infinite(s)) continue;
-                    sum += s;
-                    count += 1;
-                }
-                const float others = count > 1 ? (sum - sharpness[e]) / (count - 1) : sharpness[e];
-                smooth[i] = 0.75f * sharpness[e] + 0.25f * others <= 1;
-            }
-            if (smooth[0] || smooth[1]) return true;
-        }
-    }
-    return false;
-}
-
-// True where OpenSubdiv's float arithmetic on sharpness rounds: not so for sums and halves of small multiples
-// of 1/16.
-bool has_inexact_fading(const TestMesh& mesh) {
-    if (mesh.max_finite_sharpness() == 0) return false;
-    if (mesh.options.creasing == CreasingMethod::chaikin) return true;
-    auto rounds = [](float sharpness) { return std::floor(sharpness * 16) != sharpness * 16; };
-    return std::any_of(mesh.crease_sharpness.begin(), mesh.crease_sharpness.end(), rounds) ||
-           std::any_of(mesh.corner_sharpness.begin(), mesh.corner_sharpness.end(), rounds);
-}
-
 struct Checker {
     const TestMesh& mesh;
     const CheckLimits& limits;
@@ -303,6 +266,41 @@ struct Checker {
 };
 
 }  // namespace
+
+bool extrapolates(const TestMesh& mesh, const OsdOracle& oracle) {
+    if (mesh.options.creasing != CreasingMethod::chaikin) return false;
+    for (uint32_t level = 0; level + 1 < oracle.level_count(); ++level) {
+        const std::vector<float> sharpness = oracle.edge_sharpness(level);
+        const std::vector<uint32_t> ends = oracle.edge_vertices(level);
+        std::vector<std::vector<float>> around(oracle.vertex_count(level));
+        for (size_t i = 0; i < ends.size(); ++i) around[ends[i]].push_back(sharpness[i / 2]);
+        for (size_t e = 0; e < sharpness.size(); ++e) {
+            if (sharpness[e] <= 1 || is_infinite(sharpness[e])) continue;
+            bool smooth[2];
+            for (size_t i = 0; i < 2; ++i) {
+                float sum = 0, count = 0;
+                for (float s : around[ends[2 * e + i]]) {
+                    if (s <= 0 || is_infinite(s)) continue;
+                    sum += s;
+                    count += 1;
+                }
+                const float others = count > 1 ? (sum - sharpness[e]) / (count - 1) : sharpness[e];
+                smooth[i] = 0.75f * sharpness[e] + 0.25f * others <= 1;
+            }
+            if (smooth[0] || smooth[1]) return true;
+        }
+    }
+    return false;
+}
+
+// Sums and halves of small multiples of 1/16 are exact.
+bool has_inexact_fading(const TestMesh& mesh) {
+    if (mesh.max_finite_sharpness() == 0) return false;
+    if (mesh.options.creasing == CreasingMethod::chaikin) return true;
+    auto rounds = [](float sharpness) { return std::floor(sharpness * 16) != sharpness * 16; };
+    return std::any_of(mesh.crease_sharpness.begin(), mesh.crease_sharpness.end(), rounds) ||
+           std::any_of(mesh.corner_sharpness.begin(), mesh.corner_sharpness.end(), rounds);
+}
 
 testing::AssertionResult well_formed(const StencilTable& table) {
     return check_form(table, 1e-5);

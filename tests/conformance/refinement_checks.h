@@ -61,6 +61,12 @@ struct WorstErrors {
 WorstErrors& worst_errors(bool exact);
 void print_worst_errors();
 
+// Where OpenSubdiv differs from the rules: Chaikin creasing gives an edge sharper than 1 a smooth child, and
+// it extrapolates. `oracle` is refined as deep as finite sharpness reaches.
+bool extrapolates(const TestMesh& mesh, const OsdOracle& oracle);
+// True where OpenSubdiv's float arithmetic on sharpness rounds.
+bool has_inexact_fading(const TestMesh& mesh);
+
 struct CheckLimits {
     uint32_t max_level = 5;
     uint64_t max_vertices = 200000;    // of the last level refined
