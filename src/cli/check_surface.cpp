@@ -37,42 +37,17 @@ struct SurfaceValues {
 };
 
 /// limn's side of every comparison.
-SurfaceValues evaluate_surface(const PatchTableDouble& table, std::span<const float> control_points,
+template <class Real>
+SurfaceValues evaluate_surface(const BasicPatchTable<Real>& table, std::span<const float> control_points,
                                const Samples& samples, Derivatives derivatives) {
     SurfaceValues values;
     values.count = value_count(derivatives);
     values.numbers.resize(samples.size() * values.count * 3);
     values.statuses.resize(samples.size());
     std::vector<double> points(size_t{table.point_count()} * 3);
-    build_patch_points(table, std::vector<double>(control_points.begin(), control_points.end()), 3, points);
-    evaluate_patches(table, samples, points, 3, derivatives, values.numbers, values.statuses);
+    build_patch_points<Real>(table, std::vector<double>(control_points.begin(), control_points.end()), 3, points);
+    evaluate_patches<Real>(table, samples, points, 3, derivatives, values.numbers, values.statuses);
     return values;
-}
-
-Array<double> widen(const Array<float>& values) {
-    Array<double> wide;
-    wide.allocate(values.size());
-    std::copy(values.begin(), values.end(), wide.begin());
-    return wide;
-}
-
-/// The table as devices hold it, its weights rounded to float.
-PatchTableDouble widen(const PatchTable& table) {
-    PatchTableDouble wide;
-    wide.options = table.options;
-    wide.control_count = table.control_count;
-    wide.stencils.source_count = table.stencils.source_count;
-    wide.stencils.offsets = table.stencils.offsets;
-    wide.stencils.indices = table.stencils.indices;
-    wide.stencils.weights = widen(table.stencils.weights);
-    wide.surfaces = table.surfaces;
-    wide.ring_points = table.ring_points;
-    wide.plans = table.plans;
-    wide.plan_nodes = table.plan_nodes;
-    wide.plan_points = table.plan_points;
-    wide.plan_weights = widen(table.plan_weights);
-    wide.ptex_surfaces = table.ptex_surfaces;
-    return wide;
 }
 
 double distance(const Vector& a, const std::array<double, 3>& b) {
@@ -189,7 +164,8 @@ struct SurfaceCheck {
     Check& check;
     Extent extent;
     double exact;  ///< tolerance of what both compute in double
-    PatchTableDouble table, float_table;
+    PatchTableDouble table;
+    PatchTable float_table;  ///< as devices hold it
     Places places;
     SurfaceValues ours;
 
@@ -359,7 +335,7 @@ Result<void> SurfaceCheck::check_refined_vertices() {
 Result<void> check_surface(Check& check) {
     auto table = build_patch_table<double>(check.loaded.mesh, {});
     if (!table) return table.error();
-    const auto float_table = build_patch_table<float>(check.loaded.mesh, {});
+    auto float_table = build_patch_table<float>(check.loaded.mesh, {});
     if (!float_table) return float_table.error();
     if (!check.runner.is_host()) check.notes.push_back("the surface is evaluated on the host");
     const ControlMesh& mesh = check.loaded.mesh;
@@ -370,7 +346,7 @@ Result<void> check_surface(Check& check) {
                          extent_of(check.points(), 3),
                          fading ? kFadingTolerance : kDoubleTolerance,
                          std::move(table).value(),
-                         widen(*float_table),
+                         std::move(float_table).value(),
                          choose_places(mesh),
                          {}};
     surface.ours =
