@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 
+#include "conformance/osd_refiner.h"
+
 namespace osd = OpenSubdiv;
 
 namespace {
@@ -271,21 +273,27 @@ struct OsdOracle::Data {
 OsdOracle::OsdOracle(std::unique_ptr<Data> data) : data_(std::move(data)) {}
 OsdOracle::~OsdOracle() = default;
 
-std::unique_ptr<OsdOracle> OsdOracle::create(const TestMesh& mesh, uint32_t level, std::string* error) {
+std::unique_ptr<Refiner> make_osd_refiner(const TestMesh& mesh, std::string* error) {
     using Factory = osd::Far::TopologyRefinerFactory<TestMesh>;
     osd::Far::SetErrorCallback(keep_error);
     osd::Far::SetWarningCallback(keep_warning);
     messages().clear();
-    auto data = std::make_unique<Data>();
-    data->refiner.reset(
+    std::unique_ptr<Refiner> refiner(
         Factory::Create(mesh, Factory::Options(scheme_of(mesh.options.scheme), options_of(mesh.options))));
-    if (data->refiner && messages().empty()) {
-        Refiner::UniformOptions uniform(static_cast<int>(level));
-        uniform.fullTopologyInLastLevel = true;
-        data->refiner->RefineUniform(uniform);
-    }
     if (error) *error = messages();
-    if (!data->refiner || !messages().empty()) return nullptr;
+    if (!messages().empty()) refiner.reset();
+    return refiner;
+}
+
+std::unique_ptr<OsdOracle> OsdOracle::create(const TestMesh& mesh, uint32_t level, std::string* error) {
+    auto data = std::make_unique<Data>();
+    data->refiner = make_osd_refiner(mesh, error);
+    if (!data->refiner) return nullptr;
+    Refiner::UniformOptions uniform(static_cast<int>(level));
+    uniform.fullTopologyInLastLevel = true;
+    data->refiner->RefineUniform(uniform);
+    if (error) *error = messages();
+    if (!messages().empty()) return nullptr;
     return std::unique_ptr<OsdOracle>(new OsdOracle(std::move(data)));
 }
 

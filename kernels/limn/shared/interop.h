@@ -10,13 +10,21 @@
     using uint = uint32_t;
 #define LIMN_SHARED_END }
 #define LIMN_FN inline
+/// An array parameter that the function fills.
+#define LIMN_OUT_ARRAY(T, name, n) T (&name)[n]
 /// Fails to compile unless C++ lays T out in `bytes` bytes of 32-bit members, as std430 does.
 #define LIMN_LAYOUT(T, bytes) \
     static_assert(sizeof(T) == bytes && alignof(T) == 4 && std::is_trivially_copyable_v<T>);
+/// What mathematics is done in: double on the host, the reference; float in kernels.
+namespace limn::shared {
+using real = double;
+}
 #else
 #define LIMN_SHARED_BEGIN
 #define LIMN_SHARED_END
 #define LIMN_FN
+#define LIMN_OUT_ARRAY(T, name, n) out T name[n]
+#define real float
 #define LIMN_LAYOUT(T, bytes)
 #endif
 

@@ -1,0 +1,37 @@
+// A function of u and v at one place: its value, first and second derivatives.
+#ifndef LIMN_SHARED_JET_H
+#define LIMN_SHARED_JET_H
+#include "limn/shared/interop.h"
+LIMN_SHARED_BEGIN
+
+struct Jet {
+    real f, u, v, uu, uv, vv;
+};
+
+LIMN_FN Jet make_jet(real f, real u, real v, real uu, real uv, real vv) {
+    Jet j;
+    j.f = f;
+    j.u = u;
+    j.v = v;
+    j.uu = uu;
+    j.uv = uv;
+    j.vv = vv;
+    return j;
+}
+
+LIMN_FN Jet jet_add(Jet a, Jet b) {
+    return make_jet(a.f + b.f, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv);
+}
+
+LIMN_FN Jet jet_scale(real s, Jet a) {
+    return make_jet(s * a.f, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv);
+}
+
+LIMN_FN Jet jet_mul(Jet a, Jet b) {
+    return make_jet(
+        a.f * b.f, a.u * b.f + a.f * b.u, a.v * b.f + a.f * b.v, a.uu * b.f + 2.0 * a.u * b.u + a.f * b.uu,
+        a.uv * b.f + a.u * b.v + a.v * b.u + a.f * b.uv, a.vv * b.f + 2.0 * a.v * b.v + a.f * b.vv);
+}
+
+LIMN_SHARED_END
+#endif
