@@ -40,21 +40,14 @@ uint32_t corner_across(const Topology& t, uint32_t c, uint32_t edge_corner, bool
     return t.face_vertices[other] == t.face_vertices[c] ? other : t.next_corner(other);
 }
 
-bool is_dart(const Topology& t, uint32_t v) {
-    const auto edges = t.edges_of_vertex(v);
-    const auto infinite = std::count_if(edges.begin(), edges.end(),
-                                        [&](uint32_t e) { return is_infinite(t.edge_sharpness[e]); });
-    return infinite == 1 && t.vertex_manifold[v] != 0 && edges.size() == t.corners_of_vertex(v).size();
-}
-
 Sector find_sector(const Topology& t, uint32_t corner) {
     const uint32_t v = t.face_vertices[corner];
-    const auto edges = t.edges_of_vertex(v);
-    const bool dart = is_dart(t, v);
-    const auto sharp_edges = std::count_if(edges.begin(), edges.end(),
-                                           [&](uint32_t e) { return is_infinite(t.edge_sharpness[e]); });
+    uint32_t infinite = 0;
+    for (const uint32_t e : t.edges_of_vertex(v)) infinite += is_infinite(t.edge_sharpness[e]);
+    // What finite sharpness is left does not count, but that a dart is one only where there is none.
     Sector sector;
-    sector.sharp = is_infinite(t.vertex_sharpness[v]) || sharp_edges > 2;
+    const bool dart = infinite == 1 && t.vertex_rules[v] == VertexRule::dart, crease = infinite == 2;
+    sector.sharp = is_infinite(t.vertex_sharpness[v]) || (infinite != 0 && !dart && !crease);
     const size_t most = t.corners_of_vertex(v).size();
     uint32_t first = corner;
     for (size_t i = 0; i < most; ++i) {
@@ -64,13 +57,14 @@ Sector find_sector(const Topology& t, uint32_t corner) {
         first = before;
     }
     if (sector.closed) first = corner;
-    for (uint32_t at = first; at != kNone && sector.corners.size() < most;) {
+    uint32_t at = first;
+    do {
         if (at == corner) sector.own = sector.face_count();
         sector.corners.push_back(at);
         at = corner_across(t, at, t.previous_corner(at), dart);
-    }
+    } while (at != kNone && at != first && sector.corners.size() < most);
     const uint32_t regular = t.options.scheme == Scheme::loop ? 6 : 4;
-    sector.regular = !sector.sharp && !dart && sector.face_count() == (sector.closed ? regular : regular / 2);
+    sector.regular = !sector.sharp && sector.face_count() == (sector.closed ? regular : regular / 2);
     return sector;
 }
 
@@ -123,7 +117,7 @@ struct PointFinder {
         std::vector<double> edges(n), faces(n);
         LimitMask mask{0, edges, faces};
         SchemeOptions options = t.options;
-        options.opensubdiv_compatible = true;
+        options.opensubdiv_compatible = false;  // also between two faces: the smooth mask
         limit_position_mask(options, {VertexRule::smooth, n, n}, mask);
         add(row, vertex(k), mask.vertex);
         for (uint32_t i = 0; i < n; ++i) {
@@ -192,13 +186,6 @@ struct PointFinder {
         }
         row = position[k];
         if (s.closed) {
-            // The limit is the vertex; its star has no eigenvectors to tell tangents by.
-            if (n == 2 && !triangles()) {
-                row.clear();
-                add(row, vertex(k), 2.0 / 3);
-                add(row, edge_vertex(s, i), 1.0 / 3);
-                return row;
-            }
             add_smooth_tangent(s, i, row);
             return row;
         }
@@ -208,11 +195,10 @@ struct PointFinder {
         return row;
     }
 
-    /// The vertex across the side from corner k to the next of a regular triangle; across a boundary, its
-    /// reflection.
-    Row flank(uint32_t k) const {
-        if (sectors[k].next_is_bound())
-            return {{vertex(k), 1}, {vertex(next(k)), 1}, {vertex(previous(k)), -1}};
+    /// The vertex across the side from corner k to the next of a regular triangle; its reflection where that
+    /// side is a boundary.
+    Row flank(uint32_t k, bool bound) const {
+        if (bound) return {{vertex(k), 1}, {vertex(next(k)), 1}, {vertex(previous(k)), -1}};
         const auto corners = t.corners_of_edge(t.face_edges[begin + k]);
         const uint32_t other = corners[0] == begin + k ? corners[1] : corners[0];
         return {{t.face_vertices[t.previous_corner(other)], 1}};
@@ -226,8 +212,8 @@ struct PointFinder {
             add(row, vertex(k), 10.0 / 24);
             add(row, vertex(n), 6.0 / 24);
             add(row, vertex(p), 6.0 / 24);
-            add(row, flank(k), 1.0 / 24);
-            add(row, flank(p), 1.0 / 24);
+            add(row, flank(k, sectors[k].next_is_bound()), 1.0 / 24);
+            add(row, flank(p, sectors[k].previous_is_bound()), 1.0 / 24);
         } else {
             add(row, vertex(k), 4.0 / 9);
             add(row, vertex(n), 2.0 / 9);
@@ -269,7 +255,7 @@ struct PointFinder {
             add(row, vertex(k), 1.0 / 3);
             add(row, vertex(n), 1.0 / 3);
             add(row, vertex(previous(k)), 1.0 / 6);
-            add(row, flank(k), 1.0 / 6);
+            add(row, flank(k, sectors[k].next_is_bound() || sectors[n].previous_is_bound()), 1.0 / 6);
         } else {
             add(row, edge_plus[k], 0.5);
             add(row, edge_minus[n], 0.5);

@@ -152,14 +152,17 @@ double compare_evaluation(const OsdPatches& theirs, size_t index, const std::vec
     const bool triangle = ours.size() == 18;
     // Corner 0 to corner 1 is where the patch's own u grows; a triangle may be turned by half.
     const double scale = 1 / (c[1][0] - c[0][0]);
+    // OpenSubdiv takes derivatives as if each level had halved the coordinates, which the first step of faces
+    // other than quads does not.
+    const double derivative_scale = std::copysign(std::ldexp(1, static_cast<int>(patch.depth)), scale);
     double worst = 0;
     for (int i = 0; i < 4; ++i) {
         const Coordinates at = random_place(random, triangle);
-        Jets mine = evaluate(ours, at[0], at[1], false);
+        const Jets mine = evaluate(ours, at[0], at[1], false);
         const Jets other = theirs.evaluate(index, c[0][0] + at[0] / scale, c[0][1] + at[1] / scale);
         // In the patch's own units, in which tolerances are the same at every level.
         for (size_t d = 0; d < 6; ++d) {
-            const double unit = d == 0 ? 1 : d < 3 ? scale : scale * scale;
+            const double unit = d == 0 ? 1 : d < 3 ? derivative_scale : derivative_scale * derivative_scale;
             for (size_t k = 0; k < 3; ++k) worst = std::max(worst, std::abs(mine[d][k] - other[d][k] / unit));
         }
     }
