@@ -44,8 +44,9 @@ Sector find_sector(const Topology& t, uint32_t corner) {
     const uint32_t v = t.face_vertices[corner];
     uint32_t infinite = 0;
     for (const uint32_t e : t.edges_of_vertex(v)) infinite += is_infinite(t.edge_sharpness[e]);
-    // What finite sharpness is left does not count, but that a dart is one only where there is none.
     Sector sector;
+    // Finite sharpness counts only in that an edge that ends at it is no dart: it then bounds the sector at
+    // both ends.
     const bool dart = infinite == 1 && t.vertex_rules[v] == VertexRule::dart, crease = infinite == 2;
     sector.sharp = is_infinite(t.vertex_sharpness[v]) || (infinite != 0 && !dart && !crease);
     const size_t most = t.corners_of_vertex(v).size();
@@ -236,26 +237,27 @@ struct PointFinder {
         add(row, plus ? edge_minus[other] : edge_plus[other], 2 * c0 / d);
         // Across the side, from the edge vertex beyond it to the one within the face.
         const uint32_t inside = plus ? s.own + 1 : s.own;
-        const uint32_t beyond = plus ? s.own + n - 1 : s.own + 2;
-        const uint32_t beyond_edge = s.closed ? beyond % n : plus ? s.own - 1 : s.own + 2;
+        const uint32_t beyond = plus ? (s.own == 0 ? n : s.own) - 1 : s.own + 2;
         const double weight = triangles() ? 7.0 / 72 : 1.0 / 9;
         add(row, edge_vertex(s, inside), weight);
-        add(row, edge_vertex(s, beyond_edge), -weight);
+        add(row, edge_vertex(s, beyond), -weight);
         if (triangles()) return row;
         add(row, face_vertex(s, s.own), weight / 2);
         add(row, face_vertex(s, plus ? s.own + n - 1 : s.own + 1), -weight / 2);
         return row;
     }
 
-    /// Of the quartic side from corner k to the next.
+    /// Of the quartic side from corner k to the next. Where one end is a dart of the crease that bounds the
+    /// other's sector, their cubics differ and none is the box spline's.
     Row side_midpoint(uint32_t k) const {
         Row row;
         const uint32_t n = next(k);
-        if (sectors[k].regular && sectors[n].regular) {
+        const bool bound = sectors[k].next_is_bound() || sectors[n].previous_is_bound();
+        if (sectors[k].regular && sectors[n].regular && !bound) {
             add(row, vertex(k), 1.0 / 3);
             add(row, vertex(n), 1.0 / 3);
             add(row, vertex(previous(k)), 1.0 / 6);
-            add(row, flank(k, sectors[k].next_is_bound() || sectors[n].previous_is_bound()), 1.0 / 6);
+            add(row, flank(k, false), 1.0 / 6);
         } else {
             add(row, edge_plus[k], 0.5);
             add(row, edge_minus[n], 0.5);

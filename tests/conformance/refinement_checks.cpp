@@ -115,16 +115,6 @@ bool extrapolates(const TestMesh& mesh, const OsdOracle& oracle) {
     return false;
 }
 
-// True where OpenSubdiv's float arithmetic on sharpness rounds: not so for sums and halves of small multiples
-// of 1/16.
-bool has_inexact_fading(const TestMesh& mesh) {
-    if (mesh.max_finite_sharpness() == 0) return false;
-    if (mesh.options.creasing == CreasingMethod::chaikin) return true;
-    auto rounds = [](float sharpness) { return std::floor(sharpness * 16) != sharpness * 16; };
-    return std::any_of(mesh.crease_sharpness.begin(), mesh.crease_sharpness.end(), rounds) ||
-           std::any_of(mesh.corner_sharpness.begin(), mesh.corner_sharpness.end(), rounds);
-}
-
 struct Checker {
     const TestMesh& mesh;
     const CheckLimits& limits;
@@ -303,6 +293,14 @@ struct Checker {
 };
 
 }  // namespace
+
+bool has_inexact_fading(const TestMesh& mesh) {
+    if (mesh.max_finite_sharpness() == 0) return false;
+    if (mesh.options.creasing == CreasingMethod::chaikin) return true;
+    auto rounds = [](float sharpness) { return std::floor(sharpness * 16) != sharpness * 16; };
+    return std::any_of(mesh.crease_sharpness.begin(), mesh.crease_sharpness.end(), rounds) ||
+           std::any_of(mesh.corner_sharpness.begin(), mesh.corner_sharpness.end(), rounds);
+}
 
 testing::AssertionResult well_formed(const StencilTable& table) {
     return check_form(table, 1e-5);

@@ -53,6 +53,10 @@ std::vector<double> apply(const StencilTableDouble& table, std::span<const doubl
 // Positions and tangents of the last level.
 OsdOracle::Limits apply_limit_table(const StencilTableDouble& table, std::span<const double> control_points);
 
+// True where OpenSubdiv's float arithmetic on sharpness rounds: not so for sums and halves of small multiples
+// of 1/16.
+bool has_inexact_fading(const TestMesh& mesh);
+
 // The worst differences seen, for the log: of meshes where OpenSubdiv's arithmetic on sharpness is exact, and
 // of others.
 struct WorstErrors {
