@@ -6,6 +6,7 @@ layout(constant_id = kPatchValueCountConstant) const uint kValueCount = 3;
 layout(constant_id = kPatchNarrowConstant) const uint kNarrow = 0;
 layout(constant_id = kPatchTrianglesConstant) const uint kTriangles = 0;
 layout(constant_id = kPatchMaxRingConstant) const uint kMaxRing = 24;
+layout(constant_id = kPatchEndCapConstant) const uint kEndCap = kEndCapExact;
 
 layout(std430, push_constant) uniform Push { PatchEvalParams params; };
 layout(std430, binding = kPatchResultsBinding) writeonly buffer Results { float results[]; };
@@ -62,14 +63,15 @@ vec4 refine_ring(PlanWords plan, uint first_row, PlanWords next) {
 // Value, du, dv, duu, duv, dvv of a patch, by the coordinates of its node.
 void sum_patch(PlanWords plan, uint kind, uint first_row, PatchLocation at, inout vec4 sums[6]) {
     Jet basis[kMaxPatchPoints];
-    patch_basis(kind, at.u, at.v, basis);
+    patch_basis(kind, kEndCap, at.u, at.v, basis);
+    const uint most = kEndCap == kEndCapExact ? 16 : kMaxPatchPoints;
     const uint count = patch_point_count(kind);
     uint groups[kMaxPatchPoints];
-    for (uint k = 0; k < kMaxPatchPoints; ++k)  // the functions past `count` are zero
+    for (uint k = 0; k < most; ++k)  // the functions past `count` are zero
         groups[k] = row_group(plan, WORD(params.table.plan_points + plan.first_point + first_row + min(k, count - 1)));
     for (uint j = 0; j < plan.ring_size; j += 4) {
         vec4 weights[6] = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
-        for (uint k = 0; k < kMaxPatchPoints; ++k) {
+        for (uint k = 0; k < most; ++k) {
             const vec4 row = WEIGHTS(groups[k] + j / 4);
             weights[0] += basis[k].f * row;
             if (kValueCount > 1) {

@@ -100,7 +100,7 @@ struct PatchEvaluator {
                     const shared::PatchLocation& at, PatchScratch& s) const {
         shared::Jet basis[shared::kMaxPatchPoints];
         const auto node_kind = static_cast<uint32_t>(kind);
-        shared::patch_basis(node_kind, at.u, at.v, basis);
+        shared::patch_basis(node_kind, static_cast<uint32_t>(table.end_cap), at.u, at.v, basis);
         for (uint32_t k = 0; k < shared::patch_point_count(node_kind); ++k) {
             s.point.assign(width, 0.0);
             add_row(plan, rows[k], s.ring, s.point.data());

@@ -53,15 +53,17 @@ struct Builder {
     }
 };
 
-std::vector<uint8_t> find_regular_faces(const Topology& base, bool linear) {
+std::vector<uint8_t> find_regular_faces(const Topology& base, bool linear, EndCap end_cap) {
     std::vector<uint8_t> regular(base.face_count, 0);
     for_each_index(
         base.face_count,
         [&](uint32_t f) {
             uint32_t ring[16], count;
             PatchPoints patch;
-            regular[f] = base.face_holes[f] == 0 && (find_regular_ring(base, f, linear, ring, count) ||
-                                                     find_patch_points(base, f, linear, patch));
+            regular[f] =
+                base.face_holes[f] == 0 && (find_regular_ring(base, f, linear, ring, count) ||
+                                            (find_patch_points(base, f, linear, patch) &&
+                                             (patch.crease_sharpness == 0 || end_cap == EndCap::exact)));
         },
         64);
     return regular;
@@ -383,16 +385,23 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
     if (options.plan_depth < 1 || options.plan_depth > 10)
         return Error{ErrorCode::invalid_argument,
                      "plan depth " + std::to_string(options.plan_depth) + " is not within 1 and 10"};
+    if (options.isolation_level < 1 || options.isolation_level > 10)
+        return Error{
+            ErrorCode::invalid_argument,
+            "isolation level " + std::to_string(options.isolation_level) + " is not within 1 and 10"};
     const Topology& base = source.levels[0];
     BasicPatchTable<Real> table;
     table.options = base.options;
+    table.end_cap = options.end_cap;
     table.control_count = source.control_count;
     const bool linear =
         options.interpolation == Interpolation::varying || base.options.scheme == Scheme::bilinear;
-    const std::vector<uint8_t> regular = find_regular_faces(base, linear);
+    const std::vector<uint8_t> regular = find_regular_faces(base, linear, options.end_cap);
     Topology child;
     if (std::find(regular.begin(), regular.end(), 0) != regular.end()) child = refine_once(base, true);
-    Builder b{base, child, {linear, options.plan_depth}, {}, {}};
+    const uint32_t depth =
+        options.end_cap == EndCap::exact ? options.plan_depth : options.isolation_level - 1;
+    Builder b{base, child, {linear, options.end_cap, depth}, {}, {}};
     table.ptex_surfaces = list_surfaces(regular, b);
     walk_surfaces(b);
 

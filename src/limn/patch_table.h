@@ -37,6 +37,17 @@ enum class PlanNodeKind : uint32_t {
     /// `first` begins the ring of another plan, `plan`, whose corner 0 is corner `rotation` of this node.
     /// Around an extraordinary vertex plans refer to themselves: the surface is exact at every depth.
     plan = shared::kNodePlan,
+    /// 20 entries, or 18 of a triangle, see limn/shared/gregory_basis.h. Only with such end caps.
+    gregory = shared::kNodeGregory,
+    gregory_triangle = shared::kNodeGregoryTriangle,
+};
+
+/// What stands for the surface around an irregular vertex.
+enum class EndCap : uint8_t {
+    exact = shared::kEndCapExact,      ///< the surface itself, at any depth
+    gregory = shared::kEndCapGregory,  ///< from the isolation level on a Gregory patch, as in OpenSubdiv
+    /// And derivatives as OpenSubdiv defines them by default: as if the patch were no rational one.
+    gregory_opensubdiv = shared::kEndCapGregoryOpenSubdiv,
 };
 
 struct PlanNode {
@@ -99,6 +110,7 @@ struct PointRun {
 template <class Real>
 struct BasicPatchTable {
     SchemeOptions options;
+    EndCap end_cap = EndCap::exact;
     uint32_t control_count = 0;
     uint32_t first_refined = 0;  ///< control_count where there are none
     uint32_t refined_count = 0;
@@ -131,8 +143,13 @@ using PatchTableDouble = BasicPatchTable<double>;
 struct PatchTableOptions {
     Interpolation interpolation = Interpolation::vertex;
     /// Levels that a plan's tree goes down before it refers to another plan, 1 .. 10: evaluation descends
-    /// that far at once. The surface is the same for all.
+    /// that far at once. The surface is the same for all. Not used with Gregory end caps.
     uint32_t plan_depth = 3;
+    EndCap end_cap = EndCap::exact;
+    /// Of Gregory end caps, 1 .. 10: the level of the faces that they stand for, where those are not regular.
+    /// Semi-sharp features that reach deeper are smooth from there on. OpenSubdiv's adaptive refinement to
+    /// the same level, with infinitely sharp and without single-crease patches, has the same patches.
+    uint32_t isolation_level = 10;
 };
 
 /// Plans already built, for any number of meshes and threads; each build takes what it needs from it and adds
@@ -154,9 +171,9 @@ class PlanCache {
 };
 
 /// The limit surface of the mesh for vertex or varying data. `cache` may be null. The result does not depend
-/// on what the cache holds, nor on the number of cores. Errors: invalid_argument (plan_depth); too_large past
-/// 2^31 - 1 corners, 2^32 ring points or 2^26 plans; unsupported where more than kMaxRingSize points lie
-/// around one face after the split (a vertex of valence 2,000 or more).
+/// on what the cache holds, nor on the number of cores. Errors: invalid_argument (plan_depth,
+/// isolation_level); too_large past 2^31 - 1 corners, 2^32 ring points or 2^26 plans; unsupported where more
+/// than kMaxRingSize points lie around one face after the split (a vertex of valence 2,000 or more).
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache = nullptr);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "limn/gregory.h"
 #include "limn/local_refinement.h"
 #include "limn/parallel.h"
 #include "limn/patch_points.h"
@@ -105,14 +106,16 @@ struct PlanWriter {
     template <class Rows>
     Net make_net(const PatchPoints& patch, Rows& rows) const {
         Net net(patch.count * width(), 0.0);
-        for (uint32_t k = 0; k < patch.count; ++k) {
-            double* to = net.data() + k * width();
-            for (const RowEntry& e : patch.points[k]) {
-                const double* from = rows.row(e.index);
-                for (size_t j = 0; j < width(); ++j) to[j] += e.weight * from[j];
-            }
-        }
+        for (uint32_t k = 0; k < patch.count; ++k)
+            add_points(patch.points[k], rows, net.data() + k * width());
         return net;
+    }
+    template <class Rows>
+    void add_points(const Row& row, Rows& rows, double* to) const {
+        for (const RowEntry& e : row) {
+            const double* from = rows.row(e.index);
+            for (size_t j = 0; j < width(); ++j) to[j] += e.weight * from[j];
+        }
     }
     void write_patch(uint32_t node, PlanNodeKind kind, Net& net) {
         plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0),
@@ -132,6 +135,10 @@ struct PlanWriter {
         if (patch.crease_sharpness > 0) return write_crease(node, patch, std::move(net));
         write_patch(node, patch.kind, net);
     }
+    template <class Rows>
+    bool write_regular(uint32_t node, const Topology& t, uint32_t face, Rows& rows);
+    template <class Rows>
+    void write_gregory(uint32_t node, const Topology& t, uint32_t face, Rows& rows);
     void write_reference(uint32_t node, const Topology& t, uint32_t face, ChildRows& rows);
     void split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth);
     void write_root(const Topology& t, const VertexRows& rows);
@@ -243,6 +250,32 @@ void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face
     out.references.push_back(std::move(reference));
 }
 
+template <class Rows>
+bool PlanWriter::write_regular(uint32_t node, const Topology& t, uint32_t face, Rows& rows) {
+    PatchPoints patch;
+    if (!find_patch_points(t, face, options.linear, patch)) return false;
+    // OpenSubdiv's evaluators know no single-crease patches.
+    if (patch.crease_sharpness > 0 && options.end_cap != EndCap::exact) return false;
+    write_leaf(node, patch, rows);
+    return true;
+}
+
+/// Where there is no such patch, the face itself: its corners' limits and what is between them.
+template <class Rows>
+void PlanWriter::write_gregory(uint32_t node, const Topology& t, uint32_t face, Rows& rows) {
+    GregoryPoints gregory;
+    const bool triangles = t.options.scheme == Scheme::loop;
+    PatchPoints patch;
+    if (!find_gregory_points(t, face, gregory)) {
+        find_patch_points(t, face, true, patch);
+        return write_leaf(node, patch, rows);
+    }
+    Net net(gregory.count * width(), 0.0);
+    for (uint32_t k = 0; k < gregory.count; ++k)
+        add_points(gregory.points[k], rows, net.data() + k * width());
+    write_patch(node, triangles ? PlanNodeKind::gregory_triangle : PlanNodeKind::gregory, net);
+}
+
 /// Face 0 of t, which is no patch.
 void PlanWriter::split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth) {
     const Topology child = refine_once(t, true);
@@ -250,11 +283,12 @@ void PlanWriter::split(uint32_t node, const Topology& t, const VertexRows& rows,
     const uint32_t first = add_nodes(4);
     plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(PlanNodeKind::split), 0, 0), first};
     for (uint32_t j = 0; j < 4; ++j) {
-        PatchPoints patch;
-        if (find_patch_points(child, j, false, patch)) {
-            write_leaf(first + j, patch, child_rows);
-        } else if (depth + 1 == options.depth) {
-            write_reference(first + j, child, j, child_rows);
+        if (write_regular(first + j, child, j, child_rows)) continue;
+        if (depth + 1 == options.depth) {
+            if (options.end_cap == EndCap::exact)
+                write_reference(first + j, child, j, child_rows);
+            else
+                write_gregory(first + j, child, j, child_rows);
         } else {
             std::vector<uint32_t> vertices;
             const Topology part = extract_faces(child, faces_touching_face(child, j), vertices);
@@ -289,9 +323,9 @@ bool has_fading_rules(const Topology& t) {
 
 void PlanWriter::write_root(const Topology& t, const VertexRows& rows) {
     const uint32_t root = add_nodes(1);
-    PatchPoints patch;
-    if (find_patch_points(t, 0, options.linear, patch)) return write_leaf(root, patch, rows);
-    if (!has_fading_rules(t)) write_corner_rows(t, rows);
+    if (write_regular(root, t, 0, rows)) return;
+    if (options.end_cap != EndCap::exact && options.depth == 0) return write_gregory(root, t, 0, rows);
+    if (options.end_cap == EndCap::exact && !has_fading_rules(t)) write_corner_rows(t, rows);
     split(root, t, rows, 0);
 }
 
@@ -305,13 +339,14 @@ void rotate_first_face(Topology& t, uint32_t rotation) {
             if (c < size) c = (c + size - rotation) % size;
 }
 
-PlanKey begin_key(const SchemeOptions& o, uint32_t linear, uint32_t depth) {
+PlanKey begin_key(const SchemeOptions& o, const PlanOptions& options) {
     return {static_cast<uint32_t>(o.scheme),
             static_cast<uint32_t>(o.creasing),
             static_cast<uint32_t>(o.triangles),
             o.opensubdiv_compatible,
-            linear,
-            depth};
+            options.linear,
+            options.end_cap != EndCap::exact,
+            options.depth};
 }
 
 /// Ring points are those of the patch.
@@ -346,7 +381,8 @@ NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const
 PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
     const bool triangles = options.scheme == Scheme::loop;
     PlanRequest request;
-    request.key = begin_key({.scheme = options.scheme}, linear, 0);  // nothing but the scheme matters
+    request.key =
+        begin_key({.scheme = options.scheme}, {linear, EndCap::exact, 0});  // nothing but the scheme matters
     request.ring_size = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
     request.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
                           : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
@@ -354,7 +390,7 @@ PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
 }
 
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options) {
-    PlanKey key = begin_key(t.options, options.linear, options.depth);
+    PlanKey key = begin_key(t.options, options);
     key.push_back(static_cast<uint32_t>(hood.ring.size()));
     key.insert(key.end(), hood.signature.begin(), hood.signature.end());
     return key;

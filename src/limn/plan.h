@@ -37,6 +37,8 @@ struct PlanCache::Impl {
 
 struct PlanOptions {
     bool linear;
+    EndCap end_cap;
+    /// Levels below the root at which irregular faces become references or, from 0 on, Gregory patches.
     uint32_t depth;
 };
 

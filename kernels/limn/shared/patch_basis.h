@@ -1,11 +1,12 @@
 // The basis functions of patches, with first and second derivatives.
 #ifndef LIMN_SHARED_PATCH_BASIS_H
 #define LIMN_SHARED_PATCH_BASIS_H
+#include "limn/shared/gregory_basis.h"
 #include "limn/shared/jet.h"
 #include "limn/shared/patch_table_layout.h"
 LIMN_SHARED_BEGIN
 
-const uint kMaxPatchPoints = 16;
+const uint kMaxPatchPoints = 20;
 
 // Uniform cubic B-spline at t: values, first and second derivatives of the four functions.
 LIMN_FN void cubic_basis(real t, LIMN_OUT_ARRAY(real, f, 4), LIMN_OUT_ARRAY(real, d, 4), LIMN_OUT_ARRAY(real, dd, 4)) {
@@ -25,7 +26,7 @@ LIMN_FN void cubic_basis(real t, LIMN_OUT_ARRAY(real, f, 4), LIMN_OUT_ARRAY(real
     dd[3] = t;
 }
 
-LIMN_FN void bicubic_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
+LIMN_FN void bicubic_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
     real a[4], da[4], dda[4], b[4], db[4], ddb[4];
     cubic_basis(u, a, da, dda);
     cubic_basis(v, b, db, ddb);
@@ -37,7 +38,7 @@ LIMN_FN void bicubic_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
 
 // Quartic box spline (Stam 1998) over 12 lattice points, in rows of 3, 4, 3, 2 at v = -1, 0, 1, 2, each from the
 // smallest u on; the triangle's corners are points 4, 5 and 8.
-LIMN_FN void box_spline_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
+LIMN_FN void box_spline_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
     // Around corner k: itself, the point across the edge to the next corner, and the two that lie beyond.
     const int own[3] = {4, 5, 8}, across[3] = {1, 9, 7}, beyond_next[3] = {0, 6, 10}, beyond_previous[3] = {3, 2, 11};
     const real zero = real(0), one = real(1), twelfth = one / real(12);
@@ -45,7 +46,6 @@ LIMN_FN void box_spline_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
     x[0] = make_jet(one - u - v, -one, -one, zero, zero, zero);
     x[1] = make_jet(u, one, zero, zero, zero, zero);
     x[2] = make_jet(v, zero, one, zero, zero, zero);
-    for (int k = 12; k < 16; ++k) basis[k] = make_jet(zero, zero, zero, zero, zero, zero);
     for (int k = 0; k < 3; ++k) {
         const Jet a = x[k], b = x[(k + 1) % 3], c = x[(k + 2) % 3];
         const Jet aa = jet_mul(a, a), bb = jet_mul(b, b), cc = jet_mul(c, c), bc = jet_mul(b, c);
@@ -74,15 +74,13 @@ LIMN_FN void box_spline_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
     }
 }
 
-// Corners in order; the triangle's fourth function is zero.
-LIMN_FN void linear_basis(real u, real v, bool triangle, LIMN_OUT_ARRAY(Jet, basis, 16)) {
+// Corners in order, four or three.
+LIMN_FN void linear_basis(real u, real v, bool triangle, LIMN_OUT_ARRAY(Jet, basis, 20)) {
     const real zero = real(0), one = real(1);
-    for (int k = 4; k < 16; ++k) basis[k] = make_jet(zero, zero, zero, zero, zero, zero);
     if (triangle) {
         basis[0] = make_jet(one - u - v, -one, -one, zero, zero, zero);
         basis[1] = make_jet(u, one, zero, zero, zero, zero);
         basis[2] = make_jet(v, zero, one, zero, zero, zero);
-        basis[3] = make_jet(zero, zero, zero, zero, zero, zero);
     } else {
         basis[0] = make_jet((one - u) * (one - v), v - one, u - one, zero, one, zero);
         basis[1] = make_jet(u * (one - v), one - v, -u, zero, -one, zero);
@@ -92,17 +90,28 @@ LIMN_FN void linear_basis(real u, real v, bool triangle, LIMN_OUT_ARRAY(Jet, bas
 }
 
 LIMN_FN uint patch_point_count(uint kind) {
+    if (kind == kNodeGregory) return 20u;
+    if (kind == kNodeGregoryTriangle) return 18u;
     return kind == kNodeBicubic ? 16u : kind == kNodeBoxSpline ? 12u : kind == kNodeLinear ? 3u : 4u;
 }
 
-// The functions of a node of this kind; those past patch_point_count(kind) are zero.
-LIMN_FN void patch_basis(uint kind, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 16)) {
-    if (kind == kNodeBicubic)
+// The functions of a node of this kind, patch_point_count(kind) of them; the others are zero. Where `end_cap` is
+// kEndCapExact there are no Gregory patches.
+LIMN_FN void patch_basis(uint kind, uint end_cap, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
+    for (int k = 0; k < 20; ++k) basis[k] = make_jet(real(0), real(0), real(0), real(0), real(0), real(0));
+    if (kind == kNodeBicubic) {
         bicubic_basis(u, v, basis);
-    else if (kind == kNodeBoxSpline)
+    } else if (kind == kNodeBoxSpline) {
         box_spline_basis(u, v, basis);
-    else
+    } else if (end_cap != kEndCapExact && kind == kNodeGregory) {
+        gregory_basis(u, v, end_cap == kEndCapGregory, basis);
+    } else if (end_cap != kEndCapExact && kind == kNodeGregoryTriangle) {
+        Jet triangle[18];
+        gregory_triangle_basis(u, v, end_cap == kEndCapGregory, triangle);
+        for (int k = 0; k < 18; ++k) basis[k] = triangle[k];
+    } else {
         linear_basis(u, v, kind == kNodeLinear, basis);
+    }
 }
 
 LIMN_SHARED_END

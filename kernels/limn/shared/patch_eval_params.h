@@ -23,6 +23,7 @@ const uint kPatchValueCountConstant = 1;   // 1, 3 or 6: value, du, dv, duu, duv
 const uint kPatchNarrowConstant = 2;       // 1: ring points are 16-bit indices
 const uint kPatchTrianglesConstant = 3;    // 1: Loop
 const uint kPatchMaxRingConstant = 4;      // the largest ring of any plan
+const uint kPatchEndCapConstant = 5;
 
 // Statuses, in the order of SampleStatus.
 const uint kSampleValid = 0;

@@ -13,6 +13,13 @@ const uint kNodeBoxSpline = 4;
 const uint kNodeBilinear = 5;
 const uint kNodeLinear = 6;
 const uint kNodePlan = 7;
+const uint kNodeGregory = 8;
+const uint kNodeGregoryTriangle = 9;
+
+// End caps, in the order of EndCap.
+const uint kEndCapExact = 0;
+const uint kEndCapGregory = 1;
+const uint kEndCapGregoryOpenSubdiv = 2;
 
 // ptex_surfaces: a surface, the first of four (kPtexSplit), or no surface at all.
 const uint kPtexSplit = 0x80000000u;

@@ -335,7 +335,8 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluatio
     const uint32_t values = value_count(info.derivatives);
     auto pipeline = state_->pipeline(
         kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
-                 std::max(1u, (info.patches->max_ring_size + 3) & ~3u)});
+                 std::max(1u, (info.patches->max_ring_size + 3) & ~3u),
+                 static_cast<uint32_t>(info.patches->end_cap)});
     if (!pipeline) return pipeline.error();
     for (uint64_t first = 0; first < info.samples.count; first += window) {
         const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);

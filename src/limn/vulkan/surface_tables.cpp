@@ -55,6 +55,7 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
     PatchTableUpload upload;
     DevicePatchTable& out = upload.table;
     out.scheme = table.options.scheme;
+    out.end_cap = table.end_cap;
     out.control_count = table.control_count;
     out.first_refined = table.first_refined;
     out.point_count = table.point_count();

@@ -12,6 +12,7 @@ namespace limn::vk {
 /// evaluations that use it.
 struct DevicePatchTable {
     Scheme scheme = Scheme::catmull_clark;
+    EndCap end_cap = EndCap::exact;
     uint32_t control_count = 0;
     uint32_t first_refined = 0;  ///< the first of the level-1 points
     uint32_t point_count = 0;    ///< up to the last of them
