@@ -44,10 +44,12 @@ Sector find_sector(const Topology& t, uint32_t corner) {
     const uint32_t v = t.face_vertices[corner];
     uint32_t infinite = 0;
     for (const uint32_t e : t.edges_of_vertex(v)) infinite += is_infinite(t.edge_sharpness[e]);
+    const VertexRule rule = t.vertex_rules[v];
     Sector sector;
     // Finite sharpness counts only in that an edge that ends at it is no dart: it then bounds the sector at
-    // both ends.
-    const bool dart = infinite == 1 && t.vertex_rules[v] == VertexRule::dart, crease = infinite == 2;
+    // both ends. Where several sheets meet along a crease, each has its own, whatever else ends there.
+    const bool dart = infinite == 1 && rule == VertexRule::dart;
+    const bool crease = infinite == 2 || t.vertex_manifold[v] == 0;
     sector.sharp = is_infinite(t.vertex_sharpness[v]) || (infinite != 0 && !dart && !crease);
     const size_t most = t.corners_of_vertex(v).size();
     uint32_t first = corner;

@@ -60,6 +60,8 @@ std::unique_ptr<OsdPatches> OsdPatches::create(const TestMesh& mesh, uint32_t is
     options.useInfSharpPatch = true;
     options.generateLegacySharpCornerPatches = false;
     options.SetEndCapType(Factory::Options::ENDCAP_GREGORY_BASIS);
+    // Shared, points that are wrong in one patch would be so in its neighbours.
+    options.shareEndCapPatchPoints = false;
     options.SetPatchPrecision<double>();
     data.refiner->RefineAdaptive(options.GetRefineAdaptiveOptions());
     data.table.reset(Factory::Create(*data.refiner, options));
