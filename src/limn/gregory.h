@@ -16,11 +16,12 @@ struct GregoryPoints {
     std::array<Row, 20> points;
 };
 
-/// The points of OpenSubdiv 3.5's default end cap. Boundaries and infinitely sharp edges bound the part of
-/// the surface that a corner sees; an infinitely sharp dart counts as smooth, and so does what is left of
-/// finite sharpness. False, and `out` is undefined, where the scheme is bilinear, or a face at one of the
-/// corners has not the scheme's own size (quad; Loop: triangle), or a corner is a face-varying value that
-/// follows another.
+/// The points of OpenSubdiv 3.5's default end cap, whatever the scheme's options. Boundaries and infinitely
+/// sharp edges bound the part of the surface that a corner sees; a vertex where just one such edge ends
+/// counts as smooth unless finite sharpness is left there, too; else finite sharpness is ignored, so refine
+/// until none is left. False, and `out` is undefined, where the scheme is bilinear, where a face at one of
+/// the corners has not the scheme's own size (quad; Loop: triangle), and where a corner is a face-varying
+/// value that follows another. `t` has full topology. Rows list an index once and may hold zero weights.
 bool find_gregory_points(const Topology& t, uint32_t face, GregoryPoints& out);
 
 }  // namespace limn

@@ -90,7 +90,7 @@ PlaceKey key_of(uint32_t ptex_face, const Corners& corners, size_t n) {
         key[1] += corners[k][0];
         key[2] += corners[k][1];
     }
-    // Dyadic, but for a third part that is left out: compares exactly once rounded.
+    // Sums of dyadic numbers: exact, once rounded.
     key[1] = std::round(key[1] * 4096);
     key[2] = std::round(key[2] * 4096);
     return key;
