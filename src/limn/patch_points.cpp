@@ -41,6 +41,18 @@ uint32_t sector_size(const Topology& t, uint32_t c, uint32_t most) {
     return size;
 }
 
+/// Begins and ends at the same edge, where faces meet that are no single fan.
+bool is_folded_sector(const Topology& t, uint32_t c) {
+    uint32_t first = c, last = c;
+    const auto most = static_cast<uint32_t>(t.corners_of_vertex(t.face_vertices[c]).size());
+    for (uint32_t i = 0; i < most; ++i) {
+        const int before = corner_before(t, first), after = corner_after(t, last);
+        if (before != kNone) first = static_cast<uint32_t>(before);
+        if (after != kNone) last = static_cast<uint32_t>(after);
+    }
+    return t.face_edges[first] == t.face_edges[t.previous_corner(last)];
+}
+
 bool own_size_around(const Topology& t, uint32_t v, uint32_t size) {
     if (t.face_size != 0) return t.face_size == size;
     for (const uint32_t c : t.corners_of_vertex(v))
@@ -68,7 +80,7 @@ Corner classify(const Topology& t, uint32_t c) {
     if (rule == VertexRule::smooth && finite + infinite == 0 && closed && edges.size() == valence) {
         corner.kind = CornerKind::smooth;
     } else if (rule == VertexRule::crease && finite == 0 && infinite == 2) {
-        if (sector_size(t, c, 3) == valence / 2) corner.kind = CornerKind::crease;
+        if (sector_size(t, c, 3) == valence / 2 && !is_folded_sector(t, c)) corner.kind = CornerKind::crease;
     } else if (rule == VertexRule::corner && finite == 0 &&
                (is_infinite(t.vertex_sharpness[v]) || infinite > 2)) {
         if (corner.sharp_next && corner.sharp_previous) corner.kind = CornerKind::corner;
@@ -200,6 +212,10 @@ bool is_plain_vertex(const Topology& t, uint32_t v, size_t valence) {
 }
 
 }  // namespace
+
+bool is_regular_corner(const Topology& t, uint32_t c) {
+    return classify(t, c).kind != CornerKind::irregular;
+}
 
 bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count) {
     const bool triangles = t.options.scheme == Scheme::loop;

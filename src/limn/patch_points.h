@@ -25,6 +25,9 @@ struct PatchPoints {
 /// size is a bilinear patch. Loop triangles that are to be linear are box splines of a special net.
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
 
+/// Whether a face may be a patch as far as corner c (of a face of the scheme's own size) is concerned.
+bool is_regular_corner(const Topology& t, uint32_t c);
+
 /// The points of a regular face without anything sharp around it, in the order of its patch (as
 /// find_patch_points, but quicker); false for any other face. Any face of the scheme's own size is regular
 /// where `linear`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "limn/gregory.h"
@@ -173,7 +174,16 @@ void align_tangents(const Topology& t, uint32_t v, uint32_t corner, std::vector<
 
 void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
     std::vector<uint32_t> vertices;
-    const Topology star = cut_sector(t, vertices);
+    Topology star = cut_sector(t, vertices);
+    // A crease that does not bound the sector on both sides is one of the whole star.
+    const auto edges = star.edges_of_vertex(star.face_vertices[0]);
+    const auto sharp =
+        std::count_if(edges.begin(), edges.end(), [&](uint32_t e) { return star.edge_sharpness[e] > 0; });
+    if (star.vertex_rules[star.face_vertices[0]] == VertexRule::crease && sharp != 2) {
+        star = t;
+        vertices.resize(t.vertex_count);
+        std::iota(vertices.begin(), vertices.end(), 0u);
+    }
     const uint32_t v = star.face_vertices[0];
     Row row;
     std::vector<TangentWeights> tangents;
@@ -411,14 +421,13 @@ PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t c
 
 uint32_t choose_plan_corner(const Topology& t, uint32_t face) {
     const uint32_t begin = t.face_begin(face), size = t.size_of_face(face);
-    const size_t regular = t.options.scheme == Scheme::loop ? 6 : 4;
     uint32_t best = 0;
     size_t most = 0;
     for (uint32_t i = 0; i < size; ++i) {
         const uint32_t v = t.face_vertices[begin + i];
-        const size_t valence = t.edges_of_vertex(v).size();
-        const size_t oddness = size_t{2} * (t.vertex_rules[v] != VertexRule::smooth) + (valence != regular);
-        const size_t key = (oddness << 32) + valence + 1;
+        const bool smooth = t.vertex_rules[v] == VertexRule::smooth;
+        const size_t oddness = size_t{2} * !is_regular_corner(t, begin + i) + !smooth;
+        const size_t key = (oddness << 32) + t.edges_of_vertex(v).size() + 1;
         if (key > most) {
             most = key;
             best = i;

@@ -42,7 +42,8 @@ struct PlanOptions {
     uint32_t depth;
 };
 
-/// The corner of a face that its plan calls 0, so that alike faces share: the least regular one.
+/// The corner of a face that its plan calls 0, so that alike faces share: the least regular one. Where only
+/// one is irregular evaluation must find it there, at every level (Plan::has_corner_rows).
 uint32_t choose_plan_corner(const Topology& t, uint32_t face);
 
 /// A plan to build: of a face of `t`, with its neighbourhood walked from choose_plan_corner.

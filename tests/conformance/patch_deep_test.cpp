@@ -196,7 +196,7 @@ TEST_F(PatchDeep, notices_another_surface) {
 }
 
 // Where limn falls short today: see limit_normal_bound.
-TEST_F(PatchDeep, DISABLED_normals_at_extraordinary_vertices) {
+TEST_F(PatchDeep, normals_at_extraordinary_vertices) {
     for (Scheme scheme : kSchemes) {
         for (uint32_t n : {3u, 4u, 5u, 6u, 8u, 9u, 12u, 20u}) {
             const TestMesh mesh = make_full(scheme, n);
@@ -217,7 +217,7 @@ TEST_F(PatchDeep, DISABLED_normals_at_extraordinary_vertices) {
 
 // Where limn is wrong today: a vertex that is not manifold, a crease of two infinitely sharp edges, and one
 // of its fans begins and ends at the same one of them.
-TEST_F(PatchDeep, DISABLED_loop_creases_whose_edges_lie_in_different_fans) {
+TEST_F(PatchDeep, loop_creases_whose_edges_lie_in_different_fans) {
     TestMesh mesh;
     mesh.options.scheme = Scheme::loop;
     constexpr double kPoints[6][3] = {{0, 0, 0},      {1, 0, 0.2},     {0.3, 1, 0.5},
