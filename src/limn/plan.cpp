@@ -162,7 +162,7 @@ Topology cut_sector(const Topology& t, std::vector<uint32_t>& vertices) {
 void align_tangents(const Topology& t, uint32_t v, uint32_t corner, std::vector<TangentWeights>& tangents) {
     const auto corners = t.corners_of_vertex(v);
     const size_t n = corners.size();
-    if (t.vertex_rules[v] != VertexRule::smooth || n < 3 || t.options.opensubdiv_compatible) return;
+    if (t.vertex_rules[v] != VertexRule::smooth || n < 3) return;
     const auto at = static_cast<double>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
     const double theta = 2 * std::numbers::pi / static_cast<double>(n);
     for (TangentWeights& w : tangents) {
@@ -184,6 +184,8 @@ void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
         vertices.resize(t.vertex_count);
         std::iota(vertices.begin(), vertices.end(), 0u);
     }
+    // OpenSubdiv's masks are not those of its rules: a table that used them would be torn at the vertex.
+    star.options.opensubdiv_compatible = false;
     const uint32_t v = star.face_vertices[0];
     Row row;
     std::vector<TangentWeights> tangents;

@@ -197,15 +197,6 @@ std::vector<RefinedCorner> refined_corners(const OsdOracle& oracle, bool triangl
     return walk.corners;
 }
 
-double limit_normal_bound(bool triangles, uint32_t valence, bool exact) {
-    const double arithmetic = exact ? 1e-5 : 1e-3;
-    if (valence == 0) return arithmetic;
-    // Places near the vertex are told apart by as little as rings have shrunk in 36 levels.
-    const double rounding =
-        3e-15 / std::pow(ring_eigenvalue(triangles, valence, 1), 36) * 180 / std::numbers::pi;
-    return arithmetic + rounding + 25 * std::pow(bending_ratio(triangles, valence), 30);
-}
-
 PatchCheckLog& patch_check_log(bool exact) {
     static PatchCheckLog logs[2];
     return logs[exact];

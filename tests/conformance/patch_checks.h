@@ -92,11 +92,8 @@ PatchCheckLog& patch_check_log(bool exact);
 void leave_out(const std::string& name, uint64_t count = 1);
 void print_patch_check_log();
 
-// Degrees by which limn's normal may be off at a smooth vertex (valence 0: at a regular one). An
-// extraordinary vertex has secants for tangents, 2^-30 of a face long: bending fades slowly from level to
-// level where the valence is large, and where it is small rings shrink so fast that rounding tells.
-double limit_normal_bound(bool triangles, uint32_t valence, bool exact);
-inline constexpr double kLimitNormalTolerance = 0.1;
+// Degrees by which limn's normal may be off at smooth vertices, extraordinary or not.
+inline constexpr double kLimitNormalTolerance = 1e-5, kFadingLimitNormalTolerance = 1e-3;
 
 // Building blocks, public so that tests can show them to be able to fail.
 testing::AssertionResult same_regular_places(const SurfaceUnderTest& surface,

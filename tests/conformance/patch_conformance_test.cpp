@@ -22,9 +22,6 @@
 // - "Bfr, ...": Bfr 3.5 averages Chaikin creasing in a way of its own, and reads past its arrays where the
 //   mesh is not manifold or an interior vertex has two faces.
 // - "limits deeper than can be refined": sharpness that outlasts the levels that there is memory for.
-// - "limn's normals at extraordinary vertices of small valence", "... of large valence": limn's own
-// shortcoming,
-//   at the vertex itself, where it takes secants. See limit_normal_bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,10 +37,6 @@ namespace limn::test {
 namespace {
 
 constexpr uint32_t kIsolationLevel = 10;
-
-// Where limn itself falls short.
-constexpr const char* kLostInRounding = "limn's normals at extraordinary vertices of small valence";
-constexpr const char* kSlowToFlatten = "limn's normals at extraordinary vertices of large valence";
 
 struct Effort {
     uint64_t max_refined_vertices = 10000;
@@ -293,12 +286,7 @@ void Checker::check_limit_normals(const SurfaceUnderTest& surface) const {
             leave_out("normals where tangents are parallel (limits)");
             continue;
         }
-        const bool regular = edge || faces[v] == (triangles ? 6 : 4);
-        const double bound = limit_normal_bound(triangles, regular ? 0 : faces[v], exact);
-        if (bound > kLimitNormalTolerance) {
-            leave_out(faces[v] < 6 ? kLostInRounding : kSlowToFlatten);
-            continue;
-        }
+        const double bound = exact ? kLimitNormalTolerance : kFadingLimitNormalTolerance;
         const double degrees = angle(ours.normal(c), theirs);
         ++log().limit_normal_count;
         log().limit_normal = std::max(log().limit_normal, degrees / bound);

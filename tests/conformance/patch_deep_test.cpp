@@ -195,7 +195,8 @@ TEST_F(PatchDeep, notices_another_surface) {
     EXPECT_GT(length(ours.at(0, 0) - moved.positions[0]), kRelativeTolerance * n.unit);
 }
 
-// Where limn falls short today: see limit_normal_bound.
+// By limit tangents: secants would be lost in rounding where the valence is small, and bend where it is
+// large.
 TEST_F(PatchDeep, normals_at_extraordinary_vertices) {
     for (Scheme scheme : kSchemes) {
         for (uint32_t n : {3u, 4u, 5u, 6u, 8u, 9u, 12u, 20u}) {
@@ -215,8 +216,8 @@ TEST_F(PatchDeep, normals_at_extraordinary_vertices) {
     }
 }
 
-// Where limn is wrong today: a vertex that is not manifold, a crease of two infinitely sharp edges, and one
-// of its fans begins and ends at the same one of them.
+// A vertex that is not manifold, a crease of two infinitely sharp edges, and one of its fans begins and ends
+// at the same one of them.
 TEST_F(PatchDeep, loop_creases_whose_edges_lie_in_different_fans) {
     TestMesh mesh;
     mesh.options.scheme = Scheme::loop;
