@@ -38,32 +38,27 @@ uint row_group(PlanWords plan, uint row) {
     return (params.table.plan_weights + plan.first_weight + row * plan_row_stride(plan.ring_size)) / 4;
 }
 vec4 row_point(PlanWords plan, uint row) {
-    const uint group = row_group(plan, row);
+    const uint first = 4 * row_group(plan, row);
     vec4 sum = vec4(0);
-    for (uint j = 0; j < plan.ring_size; j += 4) {
-        const vec4 weights = WEIGHTS(group + j / 4);
-        for (uint c = 0; c < 4; ++c) sum += weights[c] * ring_point(min(j + c, plan.ring_size - 1));
-    }
+    for (uint j = 0; j < plan.ring_size; ++j) sum += uintBitsToFloat(WORD(first + j)) * ring_point(j);
     return sum;
 }
 
-// The ring of the next plan, relative to the limit of its corner: what matters for derivatives near an extraordinary
-// vertex are differences that shrink with every level, and would be lost beside the position.
-vec4 refine_ring(PlanWords plan, uint first_row, PlanWords next) {
-    for (uint k = 0; k < next.ring_size; ++k)
+// The ring of the next plan, relative to its first point, which is at the plan's corner: what matters for derivatives
+// near an extraordinary vertex are differences that shrink with every level, and would be lost beside the position.
+vec4 refine_ring(PlanWords plan, uint first_row, uint next_size) {
+    for (uint k = 0; k < next_size; ++k)
         next_ring[k] = row_point(plan, WORD(params.table.plan_points + plan.first_point + first_row + k));
-    for (uint k = 0; k < next.ring_size; ++k) deep_ring[k] = next_ring[k];
+    const vec4 origin = next_ring[0];
+    for (uint k = 0; k < next_size; ++k) deep_ring[k] = next_ring[k] - origin;
     is_deep = true;
-    if (next.has_corner_rows == 0) return vec4(0);
-    const vec4 origin = row_point(next, kCornerLimitRow);
-    for (uint k = 0; k < next.ring_size; ++k) deep_ring[k] -= origin;
     return origin;
 }
 
 // Value, du, dv, duu, duv, dvv of a patch, by the coordinates of its node.
 void sum_patch(PlanWords plan, uint kind, uint first_row, PatchLocation at, inout vec4 sums[6]) {
     Jet basis[kMaxPatchPoints];
-    patch_basis(kind, kEndCap, at.u, at.v, basis);
+    patch_basis(kind, kTriangles != 0, kEndCap, at.u, at.v, basis);
     const uint most = kEndCap == kEndCapExact ? 16 : kMaxPatchPoints;
     const uint count = patch_point_count(kind);
     uint groups[kMaxPatchPoints];
@@ -93,10 +88,7 @@ void sum_patch(PlanWords plan, uint kind, uint first_row, PatchLocation at, inou
 
 // Two tangents, turned as the face is; their lengths mean nothing, so the scale of `at` is left out.
 void take_corner(PlanWords plan, inout PatchLocation at, inout vec4 sums[6]) {
-    sums[0] = row_point(plan, kCornerLimitRow);
-    if (kValueCount == 1) return;
-    sums[1] = row_point(plan, kCornerTangentRow);
-    sums[2] = row_point(plan, kCornerTangentRow + 1);
+    for (uint k = 0; k < min(kValueCount, 3); ++k) sums[k] = row_point(plan, kCornerLimitRow + k);
     const float scale = max(max(abs(at.uu), abs(at.uv)), max(abs(at.vu), abs(at.vv)));
     at.uu /= scale;
     at.uv /= scale;
@@ -133,7 +125,7 @@ void evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
         }
         rotate_location(at, node_rotation(word), kTriangles != 0);
         plan_index = node_plan(word);
-        origin += refine_ring(plan, first_row, read_plan(plan_index));
+        origin += refine_ring(plan, first_row, read_plan(plan_index).ring_size);
     }
     sums[0] += origin;
     const vec4 u = sums[1], v = sums[2], uu = sums[3], uv = sums[4], vv = sums[5];

@@ -50,7 +50,7 @@ struct PatchEvaluator {
             if (nodes[n].kind() != PlanNodeKind::plan) return take_patch(plan, nodes[n].kind(), rows, at, s);
             shared::rotate_location(at, nodes[n].rotation(), triangles);
             plan_index = nodes[n].plan();
-            refine_ring(plan, rows, table.plans[plan_index], s);
+            refine_ring(plan, rows, table.plans[plan_index].ring_size, s);
         }
     }
 
@@ -65,20 +65,16 @@ struct PatchEvaluator {
         }
     }
 
-    /// The ring of the next plan. It is taken relative to the limit of its corner: what matters for
-    /// derivatives near an extraordinary vertex are differences that shrink with every level, and would be
-    /// lost beside the position.
-    void refine_ring(const Plan& plan, const uint32_t* rows, const Plan& next, PatchScratch& s) const {
-        s.next.assign(next.ring_size * width, 0.0);
-        for (uint32_t k = 0; k < next.ring_size; ++k)
-            add_row(plan, rows[k], s.ring, s.next.data() + k * width);
+    /// The ring of the next plan, relative to its first point, which is at the plan's corner: what matters
+    /// for derivatives near an extraordinary vertex are differences that shrink with every level, and would
+    /// be lost beside the position.
+    void refine_ring(const Plan& plan, const uint32_t* rows, uint32_t next_size, PatchScratch& s) const {
+        s.next.assign(next_size * width, 0.0);
+        for (uint32_t k = 0; k < next_size; ++k) add_row(plan, rows[k], s.ring, s.next.data() + k * width);
         s.ring.swap(s.next);
-        if (next.has_corner_rows == 0) return;
-        s.point.assign(width, 0.0);
-        add_row(next, shared::kCornerLimitRow, s.ring, s.point.data());
-        for (size_t i = 0; i < width; ++i) s.origin[i] += s.point[i];
-        for (size_t j = 0; j < next.ring_size; ++j)
-            for (size_t i = 0; i < width; ++i) s.ring[j * width + i] -= s.point[i];
+        for (size_t i = 0; i < width; ++i) s.origin[i] += s.ring[i];
+        for (size_t j = next_size; j-- > 0;)
+            for (size_t i = 0; i < width; ++i) s.ring[j * width + i] -= s.ring[i];
     }
 
     void take_corner(const Plan& plan, const shared::PatchLocation& at, PatchScratch& s) const {
@@ -100,7 +96,7 @@ struct PatchEvaluator {
                     const shared::PatchLocation& at, PatchScratch& s) const {
         shared::Jet basis[shared::kMaxPatchPoints];
         const auto node_kind = static_cast<uint32_t>(kind);
-        shared::patch_basis(node_kind, static_cast<uint32_t>(table.end_cap), at.u, at.v, basis);
+        shared::patch_basis(node_kind, triangles, static_cast<uint32_t>(table.end_cap), at.u, at.v, basis);
         for (uint32_t k = 0; k < shared::patch_point_count(node_kind); ++k) {
             s.point.assign(width, 0.0);
             add_row(plan, rows[k], s.ring, s.point.data());

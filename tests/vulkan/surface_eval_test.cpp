@@ -2,6 +2,7 @@
 // OpenSubdiv and with deep refinement.
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <numbers>
 
 #include "limn/vulkan/surface_evaluator.h"
@@ -310,6 +311,212 @@ TEST_F(SurfaceEval, grids_equal_the_surface_in_double) {
                                        *build_patch_table<double>(control, {}), mesh.positions, 3);
         check_grid(s, rates[next++ % 4], mesh.name);
     }
+}
+
+TEST_F(SurfaceEval, random_meshes_equal_the_surface_in_double) {
+    for (uint64_t seed = 0; seed < 60; ++seed) {
+        const TestMesh mesh = limn::test::random_mesh(seed);
+        const ControlMesh control = control_mesh(mesh);
+        const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        if (s.table.ptex_surfaces.empty()) continue;
+        check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
+        check_grid(s, 4, mesh.name);
+    }
+}
+
+// Rings of more points than a grid loads at once, and deep ones.
+TEST_F(SurfaceEval, large_valences_equal_the_surface_in_double) {
+    for (const TestMesh& mesh : {limn::test::make_quad_star(40, 2), limn::test::make_triangle_star(60, 2)}) {
+        TestMesh loop = mesh;
+        if (mesh.face_sizes[0] == 3) loop.options.scheme = Scheme::loop;
+        const ControlMesh control = control_mesh(loop);
+        const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        EXPECT_GT(s.device_table.max_ring_size, 64u);
+        check_samples(s, scattered_samples(s.table), Derivatives::first, "star");
+        check_grid(s, 4, "star");
+    }
+}
+
+TEST_F(SurfaceEval, gregory_end_caps_equal_those_in_double) {
+    for (const TestMesh& mesh : {limn::test::make_cube(), limn::test::make_prism(5), [] {
+                                     TestMesh loop = limn::test::make_icosahedron();
+                                     loop.options.scheme = Scheme::loop;
+                                     return loop;
+                                 }()}) {
+        const ControlMesh control = control_mesh(mesh);
+        for (const EndCap end_cap : {EndCap::gregory, EndCap::gregory_opensubdiv}) {
+            const PatchTableOptions options{.end_cap = end_cap, .isolation_level = 2};
+            const Surface s = make_surface(*build_patch_table<float>(control, options),
+                                           *build_patch_table<double>(control, options), mesh.positions, 3);
+            check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
+            check_grid(s, 5, mesh.name);
+        }
+    }
+}
+
+TEST_F(SurfaceEval, second_derivatives_equal_those_in_double) {
+    const TestMesh mesh = limn::test::make_cube();
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    const std::vector<PatchSample> samples = {
+        {0, 0.5, 0.5}, {1, 0.375, 0.625}, {2, 0.3125, 0.25}, {5, 0.75, 0.5}};
+    const Samples device_samples = evaluate_on_device(s, samples, Derivatives::second);
+    const HostSamples host = evaluate_on_host(s, samples, Derivatives::second);
+    EXPECT_TRUE(points_match({host.values, 18}, {device_samples.values, 0, 18}, 2e-5 * s.size));
+    std::vector<float> wrong = device_samples.values;
+    wrong[40] += 1e-3f;
+    EXPECT_FALSE(points_match({host.values, 18}, {wrong, 0, 18}, 2e-5 * s.size));
+}
+
+TEST_F(SurfaceEval, face_varying_and_varying_data) {
+    size_t count = 0;
+    for (const TestMesh& mesh : limn::test::face_varying_shapes()) {
+        if (++count % 12 != 0) continue;
+        const ControlMesh control = control_mesh(mesh);
+        for (uint32_t channel = 0; channel < control.channels.size(); ++channel) {
+            auto table = build_face_varying_patch_table<float>(control, channel, {});
+            if (!table) {
+                EXPECT_EQ(table.error().code, ErrorCode::unsupported) << mesh.name;
+                continue;
+            }
+            const Surface s =
+                make_surface(std::move(*table), *build_face_varying_patch_table<double>(control, channel, {}),
+                             mesh.channels[channel].values, 2);
+            check_samples(s, scattered_samples(s.table), Derivatives::none, mesh.name);
+        }
+        const PatchTableOptions varying{.interpolation = Interpolation::varying};
+        const Surface s = make_surface(*build_patch_table<float>(control, varying),
+                                       *build_patch_table<double>(control, varying), mesh.positions, 3);
+        check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
+        check_grid(s, 3, mesh.name);
+    }
+}
+
+TEST_F(SurfaceEval, flags_every_sample_that_is_not_on_the_surface) {
+    TestMesh mesh = limn::test::make_cube();
+    mesh.holes = {2};
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    const double nan = std::nan(""), infinity = HUGE_VAL;
+    const std::vector<PatchSample> samples = {
+        {0, 0.5, 0.5}, {2, 0.5, 0.5},    {6, 0, 0},        {~0u, 0, 0}, {0, 1.01, 0},
+        {0, 0, nan},   {0, infinity, 0}, {0, -0.001, 0.5}, {1, 1, 1},   {0, 1e-38, 0.0}};
+    const Samples out = evaluate_on_device(s, samples, Derivatives::first);
+    const std::vector<uint32_t> expected = {0, 1, 2, 2, 2, 2, 2, 2, 0, 0};
+    EXPECT_EQ(out.statuses, expected);
+    for (size_t i = 0; i < samples.size(); ++i)
+        for (size_t k = 0; k < 9; ++k) {
+            if (expected[i] != 0) {
+                EXPECT_EQ(out.values[9 * i + k], 0.0f) << "sample " << i;
+            }
+            EXPECT_TRUE(std::isfinite(out.values[9 * i + k])) << "sample " << i;
+        }
+}
+
+TEST_F(SurfaceEval, two_runs_give_the_same_bits) {
+    const TestMesh mesh = limn::test::make_prism(7);
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    const Samples one = evaluate_on_device(s, scattered_samples(s.table), Derivatives::second);
+    const Samples two = evaluate_on_device(s, scattered_samples(s.table), Derivatives::second);
+    EXPECT_EQ(std::memcmp(one.values.data(), two.values.data(), one.values.size() * 4), 0);
+}
+
+// Collapsed edges: the tangents vanish or are parallel, and a normal is wanted all the same.
+TEST_F(SurfaceEval, normals_of_degenerate_surfaces_are_unit_vectors) {
+    TestMesh mesh = limn::test::make_grid(5, 5);
+    for (uint32_t row = 1; row < 4; ++row)  // three rows in one point
+        for (uint32_t v = 0; v < 6; ++v)
+            for (uint32_t k = 0; k < 3; ++k) mesh.positions[3 * (6 * row + v) + k] = 0.25f;
+    TestMesh point = limn::test::make_cube();
+    std::fill(point.positions.begin(), point.positions.end(), 1.0f);
+    for (const TestMesh& degenerate : {mesh, point}) {
+        const ControlMesh control = control_mesh(degenerate);
+        const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                       *build_patch_table<double>(control, {}), degenerate.positions, 3);
+        const GridTable grid = *build_grid_table(s.table, {.rate = 4});
+        const DeviceGridTable device_grid = *upload_grid_table(device(), grid);
+        const size_t count = grid.sample_count();
+        Buffer values = create_floats(count * 3), normals = create_floats(count * 3);
+        const Result<SurfaceEvaluation> evaluation =
+            evaluator_->prepare_grid({.patches = &s.device_table,
+                                      .grid = &device_grid,
+                                      .points = {.buffer = s.points.handle},
+                                      .values = {.buffer = values.handle},
+                                      .normals = {.buffer = normals.handle}});
+        ASSERT_TRUE(evaluation);
+        run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+        const std::vector<float> out = *download<float>(device(), normals, count * 3);
+        for (size_t i = 0; i < count; ++i) EXPECT_NEAR(length(vector_at(out.data() + 3 * i)), 1, 1e-5);
+    }
+}
+
+// Only what was asked for is written, wherever it is to go.
+TEST_F(SurfaceEval, offsets_and_strides) {
+    const TestMesh mesh = limn::test::make_cube();
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    const GridTable grid = *build_grid_table(s.table, {.rate = 2});
+    const DeviceGridTable device_grid = *upload_grid_table(device(), grid);
+    const size_t count = grid.sample_count();
+    const HostSamples host =
+        evaluate_on_host(s, list_grid_samples(Scheme::catmull_clark, grid.ptex_count, 2), Derivatives::none);
+    for (const uint64_t first : {0u, 1u, 2u, 5u}) {
+        for (const uint32_t stride : {6u, 7u, 8u}) {
+            Buffer out = create_floats(first + 1 + count * stride);
+            const Result<SurfaceEvaluation> evaluation = evaluator_->prepare_grid(
+                {.patches = &s.device_table,
+                 .grid = &device_grid,
+                 .points = {.buffer = s.points.handle},
+                 .values = {.buffer = out.handle, .offset_bytes = 4, .first = first, .stride = stride},
+                 .normals = {.buffer = out.handle, .offset_bytes = 4, .first = first + 3, .stride = stride}});
+            ASSERT_TRUE(evaluation) << evaluation.error().message;
+            run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+            const std::vector<float> written = *download<float>(device(), out, first + 1 + count * stride);
+            EXPECT_TRUE(points_match({host.values, 3}, {written, first + 1, stride}, 2e-6 * s.size));
+            for (size_t i = 0; i <= first; ++i) EXPECT_EQ(written[i], -7.5f);
+            for (size_t i = 0; i < count; ++i)
+                for (size_t k = 6; k < stride; ++k) EXPECT_EQ(written[first + 1 + i * stride + k], -7.5f);
+        }
+    }
+}
+
+TEST_F(SurfaceEval, refuses_what_it_cannot_do) {
+    const TestMesh mesh = limn::test::make_cube();
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    const DeviceGridTable grid =
+        *upload_grid_table(device(), *build_grid_table(s.table, {.derivatives = false}));
+    const PointBuffer points{.buffer = s.points.handle};
+    auto code = [](const auto& result) { return result ? ErrorCode::unsupported : result.error().code; };
+    constexpr ErrorCode kInvalid = ErrorCode::invalid_argument;
+    EXPECT_EQ(code(evaluator_->prepare_points({})), kInvalid);
+    EXPECT_EQ(code(evaluator_->prepare_grid({})), kInvalid);
+    EXPECT_EQ(code(evaluator_->prepare_samples({})), kInvalid);
+    GridEvaluationInfo info{.patches = &s.device_table, .grid = &grid, .points = points, .values = points};
+    info.normals = points;  // the grid has no derivatives
+    EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
+    info.normals = {};
+    info.du = points;  // and dv is missing
+    EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
+    info.du = {};
+    info.width = 5;
+    EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
+    for (const uint32_t rate : {0u, 257u}) {
+        const auto refused = build_grid_table(s.table, {.rate = rate});
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, kInvalid);
+    }
+    const auto large = build_grid_table(s.table, {.rate = 64, .max_weight_bytes = 1000});
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::too_large);
 }
 
 }  // namespace

@@ -95,22 +95,26 @@ LIMN_FN uint patch_point_count(uint kind) {
     return kind == kNodeBicubic ? 16u : kind == kNodeBoxSpline ? 12u : kind == kNodeLinear ? 3u : 4u;
 }
 
-// The functions of a node of this kind, patch_point_count(kind) of them; the others are zero. Where `end_cap` is
-// kEndCapExact there are no Gregory patches.
-LIMN_FN void patch_basis(uint kind, uint end_cap, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
+// The functions of a node of this kind, patch_point_count(kind) of them; the others are zero. Of `triangles` or quads:
+// kernels have that, and `end_cap`, as a constant, and leave out what cannot be.
+LIMN_FN void patch_basis(uint kind, bool triangles, uint end_cap, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
     for (int k = 0; k < 20; ++k) basis[k] = make_jet(real(0), real(0), real(0), real(0), real(0), real(0));
-    if (kind == kNodeBicubic) {
+    if (triangles) {
+        if (kind == kNodeBoxSpline) {
+            box_spline_basis(u, v, basis);
+        } else if (end_cap != kEndCapExact && kind == kNodeGregoryTriangle) {
+            Jet gregory[18];
+            gregory_triangle_basis(u, v, end_cap == kEndCapGregory, gregory);
+            for (int k = 0; k < 18; ++k) basis[k] = gregory[k];
+        } else {
+            linear_basis(u, v, true, basis);
+        }
+    } else if (kind == kNodeBicubic) {
         bicubic_basis(u, v, basis);
-    } else if (kind == kNodeBoxSpline) {
-        box_spline_basis(u, v, basis);
     } else if (end_cap != kEndCapExact && kind == kNodeGregory) {
         gregory_basis(u, v, end_cap == kEndCapGregory, basis);
-    } else if (end_cap != kEndCapExact && kind == kNodeGregoryTriangle) {
-        Jet triangle[18];
-        gregory_triangle_basis(u, v, end_cap == kEndCapGregory, triangle);
-        for (int k = 0; k < 18; ++k) basis[k] = triangle[k];
     } else {
-        linear_basis(u, v, kind == kNodeLinear, basis);
+        linear_basis(u, v, false, basis);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "limn/vulkan/surface_evaluator.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 #include <mutex>
 
@@ -335,7 +336,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluatio
     const uint32_t values = value_count(info.derivatives);
     auto pipeline = state_->pipeline(
         kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
-                 std::max(1u, (info.patches->max_ring_size + 3) & ~3u),
+                 std::bit_ceil(std::max(16u, info.patches->max_ring_size)),
                  static_cast<uint32_t>(info.patches->end_cap)});
     if (!pipeline) return pipeline.error();
     for (uint64_t first = 0; first < info.samples.count; first += window) {
