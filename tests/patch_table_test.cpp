@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include "limn/evaluate.h"
 #include "shapes/random_mesh.h"
@@ -338,6 +339,40 @@ TEST(PatchTable, flags_samples_that_are_not_on_the_surface) {
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);
     }
+}
+
+// What sharing is for: tables of one plan per face would take 100 MB here.
+TEST(PatchTable, messy_meshes_need_few_plans_and_bytes) {
+    const TestMesh mesh = make_messy_torus(80, 60, 3);
+    EXPECT_GT(mesh.face_count(), 5800u);
+    EXPECT_LT(mesh.face_count(), 6600u);
+    const auto table = build_patch_table<float>(control_mesh(mesh), {});
+    ASSERT_TRUE(table);
+    EXPECT_LT(table->plans.size(), 80u);
+    EXPECT_LT(table->bytes(), 3000000u);
+    EXPECT_LE(limit_error(mesh, {}), 1e-12);
+}
+
+// Each of two builders at the same time takes from the cache, and adds to it, what the other does.
+TEST(PatchTable, one_cache_serves_many_threads) {
+    const PlanCache cache;
+    std::vector<TestMesh> meshes = some_shapes(23);
+    std::vector<std::thread> threads;
+    std::vector<uint8_t> same(meshes.size(), 0);
+    for (uint32_t t = 0; t < 4; ++t)
+        threads.emplace_back([&, t] {
+            for (size_t i = t % 2; i < meshes.size(); i += 2) {
+                const ControlMesh control = control_mesh(meshes[i]);
+                const auto shared_table = build_patch_table<float>(control, {}, &cache);
+                const auto alone = build_patch_table<float>(control, {});
+                if (t < 2)
+                    same[i] = same_bytes(shared_table->plan_weights, alone->plan_weights) &&
+                              same_bytes(shared_table->surfaces, alone->surfaces);
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (size_t i = 0; i < meshes.size(); ++i) EXPECT_TRUE(same[i]) << meshes[i].name;
+    EXPECT_GT(cache.bytes(), 0u);
 }
 
 }  // namespace

@@ -253,4 +253,33 @@ TestMesh random_mesh(uint64_t seed) {
     return mesh;
 }
 
+TestMesh make_messy_torus(uint32_t around, uint32_t across, uint64_t seed) {
+    TestMesh mesh = make_torus(around, across);
+    const TestMesh quads = std::exchange(mesh, {});
+    mesh.vertex_count = quads.vertex_count;
+    mesh.positions = quads.positions;
+    mesh.name = "messy_torus";
+    RandomNumbers random(seed);
+    auto vertex = [&](uint32_t i, uint32_t j) { return i % around * across + j % across; };
+    for (uint32_t i = 0; i < around; ++i) {
+        for (uint32_t j = 0; j < across; ++j) {
+            const uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1),
+                           d = vertex(i, j + 1);
+            if (j + 1 < across && random.chance(0.06)) {
+                mesh.add_face({a, b, c, vertex(i + 1, j + 2), vertex(i, j + 2), d});
+                ++j;
+            } else if (random.chance(0.55)) {
+                mesh.add_face({a, b, c, d});
+            } else if (random.chance(0.5)) {
+                mesh.add_face({a, b, c});
+                mesh.add_face({a, c, d});
+            } else {
+                mesh.add_face({a, b, d});
+                mesh.add_face({b, c, d});
+            }
+        }
+    }
+    return mesh;
+}
+
 }  // namespace limn::test

@@ -24,4 +24,8 @@ class RandomNumbers {
 // seams; sometimes non-manifold, unoriented, with unused vertices or edges of length zero.
 TestMesh random_mesh(uint64_t seed);
 
+// A torus of around * across quads, some cut into triangles and some joined with the next to hexagons:
+// irregular nearly everywhere, like production meshes at their worst.
+TestMesh make_messy_torus(uint32_t around, uint32_t across, uint64_t seed);
+
 }  // namespace limn::test
