@@ -337,7 +337,6 @@ Result<void> check_surface(Check& check) {
     if (!table) return table.error();
     auto float_table = build_patch_table<float>(check.loaded.mesh, {});
     if (!float_table) return float_table.error();
-    if (!check.runner.is_host()) check.notes.push_back("the surface is evaluated on the host");
     const ControlMesh& mesh = check.loaded.mesh;
     auto is_fading = [](float s) { return s > 0 && !is_infinite(s); };
     const bool fading = std::any_of(mesh.crease_sharpness.begin(), mesh.crease_sharpness.end(), is_fading) ||
