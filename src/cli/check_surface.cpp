@@ -36,17 +36,17 @@ struct SurfaceValues {
     Vector at(size_t s, size_t k) const { return vector_at(numbers, s * count + k); }
 };
 
-/// limn's side of every comparison.
-template <class Real>
-SurfaceValues evaluate_surface(const BasicPatchTable<Real>& table, std::span<const float> control_points,
+/// limn's surface in double.
+SurfaceValues evaluate_surface(const PatchTableDouble& table, std::span<const float> control_points,
                                const Samples& samples, Derivatives derivatives) {
     SurfaceValues values;
     values.count = value_count(derivatives);
     values.numbers.resize(samples.size() * values.count * 3);
     values.statuses.resize(samples.size());
     std::vector<double> points(size_t{table.point_count()} * 3);
-    build_patch_points<Real>(table, std::vector<double>(control_points.begin(), control_points.end()), 3, points);
-    evaluate_patches<Real>(table, samples, points, 3, derivatives, values.numbers, values.statuses);
+    build_patch_points<double>(table, std::vector<double>(control_points.begin(), control_points.end()), 3,
+                               points);
+    evaluate_patches<double>(table, samples, points, 3, derivatives, values.numbers, values.statuses);
     return values;
 }
 
@@ -62,6 +62,14 @@ std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.1e", value);
     return text;
+}
+
+/// The place next to (u, v) that is exact in float, as devices take it, and within the face.
+PatchSample round_place(uint32_t ptex, double u, double v, bool triangles) {
+    const float a = static_cast<float>(std::clamp(u, 0.0, 1.0));
+    float b = static_cast<float>(std::clamp(v, 0.0, 1.0));
+    while (triangles && static_cast<double>(a) + static_cast<double>(b) > 1) b = std::nextafter(b, 0.0f);
+    return {ptex, static_cast<double>(a), static_cast<double>(b)};
 }
 
 /// Random places of up to kFaces faces, half of them close to corners.
@@ -95,8 +103,7 @@ Places choose_places(const ControlMesh& mesh) {
             v *= scale;
             for (auto turn = random() % (triangles ? 3 : 4); turn > 0; --turn)
                 v = std::exchange(u, triangles ? 1 - u - v : 1 - v);
-            places.samples.push_back(
-                {ptex + i / kPlacesPerPtexFace, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0)});
+            places.samples.push_back(round_place(ptex + i / kPlacesPerPtexFace, u, v, triangles));
         }
         ptex += count;
     }
@@ -165,7 +172,8 @@ struct SurfaceCheck {
     Extent extent;
     double exact;  ///< tolerance of what both compute in double
     PatchTableDouble table;
-    PatchTable float_table;  ///< as devices hold it
+    PatchTable float_table;
+    RunSurface device_surface;  ///< of float_table, on the device or the host in its place
     Places places;
     SurfaceValues ours;
 
@@ -174,11 +182,27 @@ struct SurfaceCheck {
              std::string remark = {}) {
         check.rows.push_back({what, error, tolerance, unit, std::move(remark)});
     }
+    /// Rows of the float table are the device's: its own, or of the host in its place.
+    std::string device_row(const char* what) const {
+        return (check.runners.device.is_host() ? "float table, " : "device ") + std::string(what);
+    }
+    Result<SurfaceValues> evaluate_on_device(const Samples& samples, Derivatives derivatives) const;
     Result<void> check_patches();
+    Result<void> check_patches_on_device(const std::vector<ReferencePlace>& far);
     void check_caps(const std::vector<ReferencePlace>& far);
     void check_bfr(const OpenSubdivSurface& surface, const std::vector<ReferencePlace>& far);
     Result<void> check_refined_vertices();
 };
+
+Result<SurfaceValues> SurfaceCheck::evaluate_on_device(const Samples& samples,
+                                                       Derivatives derivatives) const {
+    std::vector<SurfaceSample> places;
+    for (const PatchSample& s : samples)
+        places.push_back({s.face, static_cast<float>(s.u), static_cast<float>(s.v)});
+    const auto run = check.runners.surfaces.run(device_surface, places, derivatives);
+    if (!run) return run.error();
+    return SurfaceValues{value_count(derivatives), {run->numbers.begin(), run->numbers.end()}, run->statuses};
+}
 
 /// Chaikin creasing in Far's adaptive refinement sees only the edges that it refines, and Bfr has rules of
 /// its own: neither can be compared with.
@@ -210,14 +234,19 @@ Result<void> SurfaceCheck::check_patches() {
     check_caps(far);
     check_bfr(*surface, far);
 
-    const Errors rounded = compare(
-        evaluate_surface(float_table, check.points(), places.samples, Derivatives::second), far, extent.size);
-    add("float table, points", rounded.points, extent.point_tolerance(), "of size");
-    add("float table, derivatives", rounded.first, extent.point_tolerance(), "of size");
-    add("float table, 2nd deriv.", rounded.second, kSecondTolerance, "of size");
+    return check_patches_on_device(far);
+}
+
+Result<void> SurfaceCheck::check_patches_on_device(const std::vector<ReferencePlace>& far) {
+    const auto values = evaluate_on_device(places.samples, Derivatives::second);
+    if (!values) return values.error();
+    const Errors errors = compare(*values, far, extent.size);
+    add(device_row("points"), errors.points, extent.point_tolerance(), "of size");
+    add(device_row("derivatives"), errors.first, extent.point_tolerance(), "of size");
+    add(device_row("2nd derivatives"), errors.second, kSecondTolerance, "of size");
     // Close to an irregular vertex, rounding of the weights weighs as much as what is left of the face.
-    add("float table, normals", rounded.normals, kNormalTolerance, "degrees",
-        "in patches deeper than level " + std::to_string(kUsualLevel) + ": " + number(rounded.deep_normals));
+    add(device_row("normals"), errors.normals, kNormalTolerance, "degrees",
+        "in patches deeper than level " + std::to_string(kUsualLevel) + ": " + number(errors.deep_normals));
     return {};
 }
 
@@ -302,7 +331,8 @@ Result<void> SurfaceCheck::check_refined_vertices() {
             walk.visit(ptex++, 0, 0, 1, level - (whole ? 0 : 1));
     }
     const SurfaceValues values = evaluate_surface(table, check.points(), samples, Derivatives::none);
-    const SurfaceValues rounded = evaluate_surface(float_table, check.points(), samples, Derivatives::none);
+    const auto rounded = evaluate_on_device(samples, Derivatives::none);
+    if (!rounded) return rounded.error();
     const auto usual = OpenSubdivSurface::create(mesh(), kUsualSmoothLevel, places.faces);
     if (!usual) return usual.error();
     const std::vector<ReferencePlace> theirs = usual->far_places(check.points(), samples);
@@ -316,17 +346,19 @@ Result<void> SurfaceCheck::check_refined_vertices() {
         }
         const std::array<double, 3> truth = {limits[3 * v], limits[3 * v + 1], limits[3 * v + 2]};
         keep_worst(ours_worst, distance(values.at(v, 0), truth) / extent.size);
-        keep_worst(rounded_worst, distance(rounded.at(v, 0), truth) / extent.size);
+        keep_worst(rounded_worst, distance(rounded->at(v, 0), truth) / extent.size);
         if (theirs[v].valid)
             keep_worst(theirs_worst, distance(vector_of(theirs[v].values[0]), truth) / extent.size);
     }
     add("surface, level-" + std::to_string(level) + " limits", ours_worst, exact, "of size",
         "OpenSubdiv, level " + std::to_string(kUsualSmoothLevel) + ": " + number(theirs_worst));
-    add("float table, limits", rounded_worst, extent.point_tolerance(), "of size");
+    add(device_row("limits"), rounded_worst, extent.point_tolerance(), "of size");
     if (left_out != 0)
         check.notes.push_back("limits left out at " + std::to_string(left_out) + " of " +
                               std::to_string(samples.size()) +
-                              " vertices, where OpenSubdiv's is not that of its refinement");
+                              " vertices, where OpenSubdiv's is not that of its refinement: infinite "
+                              "darts (the surface is limn's there, with --compat opensubdiv, too), "
+                              "sharpness yet to fade, interior vertices of two faces");
     return {};
 }
 
@@ -346,8 +378,12 @@ Result<void> check_surface(Check& check) {
                          fading ? kFadingTolerance : kDoubleTolerance,
                          std::move(table).value(),
                          std::move(float_table).value(),
+                         {},
                          choose_places(mesh),
                          {}};
+    auto device_surface = check.runners.surfaces.prepare(surface.float_table, check.points(), 3);
+    if (!device_surface) return device_surface.error();
+    surface.device_surface = std::move(device_surface).value();
     surface.ours =
         evaluate_surface(surface.table, check.points(), surface.places.samples, Derivatives::second);
     if (auto done = surface.check_patches(); !done) return done.error();
