@@ -253,7 +253,7 @@ TEST_F(Program, evaluates_what_is_known_in_closed_form) {
 TEST_F(Program, keeps_a_row_for_every_sample) {
     write("holes.obj", std::string(kCube) + "t hole 1/0/0 2\n");
     write("samples.csv",
-          "\xef\xbb\xbf Face, U ,v\r\n2,0.5,0.5\r\n\n 0 , +0.5 ,5e-1\n6,0,0\n-1,0,0\n"
+          "\xef\xbb\xbf Face, U ,v\r\n2,0.5,0.5\r\n\n +0 , +0.5 ,5e-1\n6,0,0\n-1,0,0\n"
           "99999999999999999999,0,0\n4294967295,0,0\n0,nan,0\n0,0,inf\n0,1.001,0\n0,0,1e999\n0,1e-400,0");
     for (const std::string device : {"", " --device cpu"}) {
         const Outcome outcome = run("eval holes.obj --at samples.csv -o result.csv --validation" + device);

@@ -146,7 +146,8 @@ Result<double> default_departure(const Check& check, const Refinement& compatibl
 }
 
 bool print(const std::string& path, const Check& check, double departure) {
-    std::printf("%s, level %u, on %s\n", path.c_str(), check.options.level, check.runners.device.name().c_str());
+    std::printf("%s, level %u, on %s\n", path.c_str(), check.options.level,
+                check.runners.device.name().c_str());
     bool ok = true;
     for (const Row& row : check.rows) {
         std::printf("  %-24s %9.2e  of %.1e %s  %s%s\n", row.what.c_str(), row.error, row.tolerance, row.unit,

@@ -127,9 +127,10 @@ Result<void> evaluate(const Options& options, Progress& progress) {
     if (!surface) return surface.error();
     Result<TextOutput> output = TextOutput::create(options.output);
     if (!output) return output.error();
-    output->append(header(*quantity));
     // Rows on the terminal are progress enough.
     const bool to_terminal = options.output == "-" && isatty(STDOUT_FILENO) != 0;
+    if (to_terminal) progress.clear();
+    output->append(header(*quantity));
     if (auto done = evaluate_rows(*runner, *surface, *rows, to_terminal ? nullptr : &progress, *output);
         !done)
         return done;

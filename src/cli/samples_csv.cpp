@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <system_error>
@@ -79,15 +81,20 @@ std::string quoted(std::string_view text) {
     return "'" + printable(text.substr(0, kQuotedBytes)) + (text.size() > kQuotedBytes ? "..." : "") + "'";
 }
 
+std::string_view skip_plus(std::string_view text) {
+    return text.size() > 1 && text[0] == '+' && text[1] != '-' ? text.substr(1) : text;
+}
+
 /// Whether all of `text` is a number. One that is too large or small saturates.
 bool parse_number(std::string_view text, double& value) {
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+    text = skip_plus(text);
     const char* end = text.data() + text.size();
     const auto [last, status] = std::from_chars(text.data(), end, value);
     if (status == std::errc::result_out_of_range) value = std::strtod(std::string(text).c_str(), nullptr);
     return status != std::errc::invalid_argument && last == end;
 }
 bool parse_number(std::string_view text, int64_t& value) {
+    text = skip_plus(text);
     const char* end = text.data() + text.size();
     const auto [last, status] = std::from_chars(text.data(), end, value);
     if (status == std::errc::result_out_of_range) value = text[0] == '-' ? INT64_MIN : INT64_MAX;
