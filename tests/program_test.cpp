@@ -8,7 +8,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "limn/obj.h"
 
@@ -39,9 +43,9 @@ class Program : public testing::Test {
         return {std::istreambuf_iterator<char>(in), {}};
     }
 
-    Outcome run(const std::string& arguments) const {
+    Outcome run(const std::string& arguments, const std::string& input = "/dev/null") const {
         const std::string command = "cd '" + folder_.string() + "' && " LIMN_PROGRAM " " + arguments +
-                                    " >out.txt 2>err.txt </dev/null";
+                                    " >out.txt 2>err.txt <" + input;
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
     }
@@ -76,6 +80,21 @@ TEST_F(Program, says_what_a_model_is_made_of) {
     EXPECT_EQ(json.status, 0);
     EXPECT_NE(json.output.find("\"largest_finite_sharpness\": 2.5"), std::string::npos) << json.output;
     EXPECT_NE(json.output.find("\"edges\": 12"), std::string::npos);
+}
+
+TEST_F(Program, says_what_a_patch_table_takes) {
+    const Outcome text = run("info cube.obj");
+    EXPECT_NE(text.output.find("limit surface: 6 ptex faces, 24 surfaces, "), std::string::npos);
+    EXPECT_NE(text.output.find("texture coordinates, patch table: "), std::string::npos) << text.output;
+    const Outcome json = run("info cube.obj --json");
+    for (const char* key : {"ptex_faces\": 6", "surfaces\": 24",
+                            "plans\": ", "largest_ring\": ", "level1_points\": 26", "patch_table_bytes\": ",
+                            "plan_bytes\": ", "texture_surfaces\": 6", "texture_patch_table_bytes\": "})
+        EXPECT_NE(json.output.find(std::string("\"") + key), std::string::npos) << key << json.output;
+    // What has no patch table is told about all the same.
+    const Outcome chaikin = run("info cube.obj --json --creasing chaikin");
+    EXPECT_EQ(chaikin.status, 0) << chaikin.errors;
+    EXPECT_NE(chaikin.output.find("\"texture_surfaces\": null"), std::string::npos) << chaikin.output;
 }
 
 TEST_F(Program, refines_on_the_device_as_on_the_host) {
@@ -128,6 +147,14 @@ TEST_F(Program, agrees_with_opensubdiv) {
     EXPECT_EQ(outcome.status, 0) << outcome.output << outcome.errors;
     EXPECT_NE(outcome.output.find("all within tolerance"), std::string::npos);
     EXPECT_NE(outcome.output.find("texture coordinates"), std::string::npos);
+    for (const char* row : {"device points", "device derivatives", "device 2nd derivatives", "device normals",
+                            "device limits", "surface, texture", "device texture"})
+        EXPECT_NE(outcome.output.find(row), std::string::npos) << row;
+}
+
+TEST_F(Program, agrees_with_opensubdiv_about_the_demo_model) {
+    const Outcome outcome = run("check " LIMN_DEMO_MODEL " --validation");
+    EXPECT_EQ(outcome.status, 0) << outcome.output << outcome.errors;
 }
 
 TEST_F(Program, checks_the_limit_surface) {
@@ -155,6 +182,155 @@ TEST_F(Program, checks_the_limit_surface) {
     EXPECT_EQ(chaikin.output.find("surface points"), std::string::npos) << chaikin.output;
 }
 
+/// A CSV file: what stands between commas, line by line.
+std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(text);
+    for (std::string line, word; std::getline(lines, line);) {
+        std::istringstream words(line);
+        for (rows.emplace_back(); std::getline(words, word, ',');) rows.back().push_back(word);
+    }
+    return rows;
+}
+
+constexpr const char* kEvalHeader =
+    "face,u,v,px,py,pz,dux,duy,duz,dvx,dvy,dvz,duux,duuy,duuz,duvx,duvy,duvz,dvvx,dvvy,dvvz,status\n";
+
+TEST_F(Program, evaluates_samples_on_the_device_as_on_the_host) {
+    std::string samples = "face,u,v\n";
+    for (int i = 0; i < 400; ++i)
+        samples += std::to_string(i % 360) + "," + std::to_string(i * 7 % 20 / 20.0) + "," +
+                   std::to_string(i * 3 % 17 / 17.0) + "\n";
+    write("samples.csv", samples);
+    const std::string eval = "eval " LIMN_DEMO_MODEL " --at samples.csv ";
+    for (const std::string quantity : {"", "--texture"}) {
+        SCOPED_TRACE(quantity);
+        ASSERT_EQ(run(eval + quantity + " -o device.csv --validation").status, 0) << read("err.txt");
+        ASSERT_EQ(run(eval + quantity + " -o host.csv --device cpu").status, 0) << read("err.txt");
+        const auto device = parse_csv(read("device.csv")), host = parse_csv(read("host.csv"));
+        ASSERT_EQ(device.size(), 401u);
+        ASSERT_EQ(host.size(), 401u);
+        EXPECT_EQ(device[0], host[0]);
+        const size_t columns = 4 + 6 * (quantity.empty() ? 3 : 2);
+        for (size_t r = 1; r < device.size(); ++r) {
+            ASSERT_EQ(device[r].size(), columns);
+            ASSERT_EQ(host[r].size(), columns);
+            EXPECT_EQ(device[r][0], std::to_string((r - 1) % 360));
+            EXPECT_EQ(device[r].back(), (r - 1) % 360 < 352 ? "valid" : "out_of_range");
+            EXPECT_EQ(device[r].back(), host[r].back());
+            for (size_t c = 3; c + 1 < columns; ++c) {
+                // Rounding grows with the depth of the patch, for each order of derivatives.
+                const size_t value = (c - 3) / (columns / 6);
+                const double tolerance = value == 0 ? 4e-6 : value < 3 ? 2e-5 : 2e-3;
+                EXPECT_NEAR(std::stof(device[r][c]), std::stof(host[r][c]), tolerance)
+                    << r << " " << device[0][c];
+            }
+        }
+    }
+}
+
+TEST_F(Program, evaluates_what_is_known_in_closed_form) {
+    write("samples.csv", "1,0.25,0.75\n0,0.1,0.7\n");
+    // Face 0 of the cube spans x and y at z = 1, its texture coordinates are u and v.
+    const Outcome points = run("eval cube.obj --scheme bilinear --at samples.csv -o -");
+    EXPECT_EQ(points.status, 0) << points.errors;
+    const auto rows = parse_csv(points.output);
+    ASSERT_EQ(rows.size(), 3u);
+    const double expected[] = {0, 0.1, 0.7, -0.8, 0.4, 1, 2, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    for (size_t c = 0; c < 21; ++c) EXPECT_NEAR(std::stof(rows[2][c]), expected[c], 1e-6) << rows[0][c];
+    EXPECT_EQ(std::stof(rows[2][1]), 0.1f);
+    EXPECT_EQ(rows[1][0] + rows[1][1] + rows[1][2], "10.250.75");
+    const Outcome texture = run("eval cube.obj --texture --at samples.csv -o -");
+    EXPECT_EQ(texture.output.rfind("face,u,v,s,t,dus,dut,dvs,dvt,duus,duut,duvs,duvt,dvvs,dvvt,status\n", 0),
+              0u)
+        << texture.output;
+    const auto st = parse_csv(texture.output);
+    ASSERT_EQ(st.size(), 3u);
+    const double coordinates[] = {0, 0.1, 0.7, 0.1, 0.7, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+    for (size_t c = 0; c < 15; ++c) EXPECT_NEAR(std::stof(st[2][c]), coordinates[c], 1e-6) << st[0][c];
+}
+
+TEST_F(Program, keeps_a_row_for_every_sample) {
+    write("holes.obj", std::string(kCube) + "t hole 1/0/0 2\n");
+    write("samples.csv",
+          "\xef\xbb\xbf Face, U ,v\r\n2,0.5,0.5\r\n\n +0 , +0.5 ,5e-1\n6,0,0\n-1,0,0\n"
+          "99999999999999999999,0,0\n4294967295,0,0\n0,nan,0\n0,0,inf\n0,1.001,0\n0,0,1e999\n0,1e-400,0");
+    for (const std::string device : {"", " --device cpu"}) {
+        const Outcome outcome = run("eval holes.obj --at samples.csv -o result.csv --validation" + device);
+        EXPECT_EQ(outcome.status, 0) << outcome.errors;
+        EXPECT_TRUE(outcome.output.empty() && outcome.errors.empty());
+        const auto rows = parse_csv(read("result.csv"));
+        const char* statuses[] = {"status",       "hole",         "valid",        "out_of_range",
+                                  "out_of_range", "out_of_range", "out_of_range", "out_of_range",
+                                  "out_of_range", "out_of_range", "out_of_range", "valid"};
+        ASSERT_EQ(rows.size(), 12u);
+        for (size_t r = 0; r < rows.size(); ++r) {
+            ASSERT_EQ(rows[r].size(), 22u);
+            EXPECT_EQ(rows[r].back(), statuses[r]) << r << device;
+            if (r == 0 || rows[r].back() == "valid") continue;
+            for (size_t c = 3; c < 21; ++c) EXPECT_EQ(rows[r][c], "0") << r << device;
+        }
+        EXPECT_EQ(rows[4][0], "-1");
+        EXPECT_EQ(rows[7][1], "nan");
+    }
+}
+
+TEST_F(Program, reads_and_writes_streams) {
+    write("samples.csv", "face,u,v\n0,0.5,0.5\n");
+    ASSERT_EQ(run("eval cube.obj --at samples.csv -o file.csv").status, 0);
+    const Outcome stream = run("eval cube.obj --at - -o -", "samples.csv");
+    EXPECT_EQ(stream.status, 0) << stream.errors;
+    EXPECT_EQ(stream.output, read("file.csv"));
+    EXPECT_EQ(stream.output.rfind(kEvalHeader, 0), 0u);
+    // No samples are none to evaluate.
+    const Outcome empty = run("eval cube.obj --at - -o -");
+    EXPECT_EQ(empty.status, 0) << empty.errors;
+    EXPECT_EQ(empty.output, kEvalHeader);
+    // More than one block of input and one pass.
+    {
+        std::ofstream out(path("many.csv"));
+        for (int i = 0; i < 300000; ++i) out << i % 7 << ",0.5,0.25\n";
+    }
+    ASSERT_EQ(run("eval cube.obj --at many.csv -o many_out.csv").status, 0) << read("err.txt");
+    const auto rows = parse_csv(read("many_out.csv"));
+    ASSERT_EQ(rows.size(), 300001u);
+    for (size_t r = 1; r < rows.size(); ++r) {
+        ASSERT_EQ(rows[r][0], std::to_string((r - 1) % 7)) << r;
+        ASSERT_EQ(rows[r].back(), (r - 1) % 7 == 6 ? "out_of_range" : "valid") << r;
+    }
+}
+
+TEST_F(Program, refuses_bad_samples_with_file_line_and_cause) {
+    const std::string eval = "eval cube.obj --at samples.csv -o result.csv";
+    for (const auto& [row, cause] : std::initializer_list<std::pair<std::string, std::string>>{
+             {"0,0.5", "three values, not 2"},
+             {"0,0.5,0.5,1", "three values, not 4"},
+             {"one,0,0", "'one' is not a whole number"},
+             {"1.5,0,0", "'1.5' is not a whole number"},
+             {"0,,0", "u '' is not a number"},
+             {"0,0,0x1p-1", "v '0x1p-1' is not a number"},
+             {"face,u,v", "'face' is not a whole number"},
+             {std::string(2 << 20, '0'), "too long"}}) {
+        write("samples.csv", "face,u,v\n0,0,0\n\n" + row + "\n0,0,0\n");
+        expect_failure(eval, 1, "samples.csv:4: ");
+        expect_failure(eval, 1, cause);
+        EXPECT_EQ(read("out.txt"), "");
+    }
+    expect_failure("eval cube.obj --at missing.csv -o result.csv", 1, "missing.csv: cannot open");
+    expect_failure("eval cube.obj --at . -o result.csv", 1, ".: cannot read");
+    write("samples.csv", "0,0,0\n");
+    expect_failure("eval missing.obj --at samples.csv -o result.csv", 1, "missing.obj: ");
+    expect_failure("eval cube.obj --at samples.csv -o nowhere/result.csv", 1, "nowhere/result.csv: ");
+    expect_failure("eval cube.obj --at samples.csv -o /dev/full", 1, "/dev/full: cannot write");
+    expect_failure(eval + " --device 99", 3, "99");
+    write("plain.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    expect_failure("eval plain.obj --texture --at samples.csv -o result.csv", 1, "plain.obj: ");
+    write("result_before.csv", "before");
+    write("samples.csv", "0,0\n");
+    EXPECT_EQ(run("eval cube.obj --at samples.csv -o result_before.csv").status, 1);
+    EXPECT_EQ(read("result_before.csv"), "before");
+}
+
 TEST_F(Program, lists_devices) {
     const Outcome outcome = run("devices");
     EXPECT_EQ(outcome.status, 0) << outcome.errors;
@@ -162,7 +338,7 @@ TEST_F(Program, lists_devices) {
 }
 
 TEST_F(Program, helps) {
-    for (const char* arguments : {"--help", "refine --help", "check --help"}) {
+    for (const char* arguments : {"--help", "refine --help", "eval --help", "check --help"}) {
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.status, 0);
         EXPECT_NE(outcome.output.find("Usage"), std::string::npos);
@@ -179,6 +355,8 @@ TEST_F(Program, refuses_bad_usage) {
     expect_failure("refine cube.obj -o result.stl", 2, "result.stl");
     expect_failure("refine cube.obj -o result.obj --scheme doo", 2, "scheme");
     expect_failure("refine cube.obj -o result.obj --device gpu", 2, "gpu");
+    expect_failure("eval cube.obj -o result.csv", 2, "--at");
+    expect_failure("eval cube.obj --at samples.csv", 2, "output");
 }
 
 TEST_F(Program, refuses_bad_input_with_file_line_and_cause) {

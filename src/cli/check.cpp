@@ -76,14 +76,14 @@ Result<void> check_points(Check& check, const Refinement& refinement) {
         if (!table) return table.error();
         chain.push_back(std::move(*table));
     }
-    const auto stepped = check.runner.run(chain, check.points(), 3);
+    const auto stepped = check.runners.points.run(chain, check.points(), 3);
     if (!stepped) return stepped.error();
     check.rows.push_back(
         {"points, level by level", worst_difference(*stepped, expected) / extent.size, tolerance, "of size"});
 
     const Result<StencilTable> table = build_stencil_table<float>(refinement, check.options.level);
     if (!table) return table.error();
-    const auto composed = check.runner.run({&*table, 1}, check.points(), 3);
+    const auto composed = check.runners.points.run({&*table, 1}, check.points(), 3);
     if (!composed) return composed.error();
     check.rows.push_back(
         {"points, one table", worst_difference(*composed, expected) / extent.size, tolerance, "of size"});
@@ -93,7 +93,7 @@ Result<void> check_points(Check& check, const Refinement& refinement) {
 Result<void> check_limits(Check& check, const Refinement& refinement) {
     const Result<StencilTable> table = build_limit_table<float>(refinement, check.options.level, true);
     if (!table) return table.error();
-    const Result<LimitPoints> limits = check.runner.run_limits(*table, check.points());
+    const Result<LimitPoints> limits = check.runners.points.run_limits(*table, check.points());
     if (!limits) return limits.error();
     const ReferenceLimits expected = check.reference.limits(check.points());
     const Extent extent = extent_of(check.points(), 3);
@@ -112,7 +112,7 @@ Result<void> check_texture_coordinates(Check& check) {
     if (!refinement) return refinement.error();
     const Result<StencilTable> table = build_stencil_table<float>(*refinement, check.options.level);
     if (!table) return table.error();
-    const auto values = check.runner.run({&*table, 1}, check.loaded.model.texture_coordinates, 2);
+    const auto values = check.runners.points.run({&*table, 1}, check.loaded.model.texture_coordinates, 2);
     if (!values) return values.error();
     std::vector<float> corners;
     for (const uint32_t i : refinement->last().face_vertices)
@@ -146,7 +146,8 @@ Result<double> default_departure(const Check& check, const Refinement& compatibl
 }
 
 bool print(const std::string& path, const Check& check, double departure) {
-    std::printf("%s, level %u, on %s\n", path.c_str(), check.options.level, check.runner.name().c_str());
+    std::printf("%s, level %u, on %s\n", path.c_str(), check.options.level,
+                check.runners.device.name().c_str());
     bool ok = true;
     for (const Row& row : check.rows) {
         std::printf("  %-24s %9.2e  of %.1e %s  %s%s\n", row.what.c_str(), row.error, row.tolerance, row.unit,
@@ -160,7 +161,7 @@ bool print(const std::string& path, const Check& check, double departure) {
     return ok;
 }
 
-Result<bool> check_model(const std::string& path, const CheckOptions& options, const PointRunner& runner) {
+Result<bool> check_model(const std::string& path, const CheckOptions& options, const Runners& runners) {
     auto progress = std::make_unique<Progress>();
     progress->show("checking " + path);
     SurfaceOptions surface = options.surface;
@@ -171,7 +172,7 @@ Result<bool> check_model(const std::string& path, const CheckOptions& options, c
     if (!refinement) return refinement.error();
     const Result<OpenSubdivReference> reference = OpenSubdivReference::create(loaded->mesh, options.level);
     if (!reference) return Error{reference.error().code, path + ": " + reference.error().message};
-    Check check{options, runner, *loaded, *reference, {}, {}};
+    Check check{options, runners, *loaded, *reference, {}, {}};
     if (auto done = check_points(check, *refinement); !done) return done.error();
     if (auto done = check_limits(check, *refinement); !done) return done.error();
     if (auto done = check_texture_coordinates(check); !done) return done.error();
@@ -183,15 +184,20 @@ Result<bool> check_model(const std::string& path, const CheckOptions& options, c
 }
 
 int run(const CheckOptions& options) {
-    const Result<PointRunner> runner = PointRunner::create(options.device);
-    if (!runner) return fail(runner.error());
+    const Result<RunDevice> device = RunDevice::create(options.device);
+    if (!device) return fail(device.error());
+    const Result<PointRunner> points = PointRunner::create(*device);
+    if (!points) return fail(points.error());
+    const Result<SurfaceRunner> surfaces = SurfaceRunner::create(*device);
+    if (!surfaces) return fail(surfaces.error());
+    const Runners runners{*device, *points, *surfaces};
     bool all_ok = true;
     for (const std::string& path : options.models) {
-        const Result<bool> ok = check_model(path, options, *runner);
+        const Result<bool> ok = check_model(path, options, runners);
         if (!ok) return fail(ok.error());
         all_ok = all_ok && *ok;
     }
-    if (auto silent = runner->check_validation(); !silent) return fail(silent.error());
+    if (auto silent = device->check_validation(); !silent) return fail(silent.error());
     std::printf(all_ok ? "all within tolerance\n" : "out of tolerance\n");
     return all_ok ? 0 : kBadInput;
 }

@@ -7,6 +7,7 @@
 
 #include "cli/opensubdiv_reference.h"
 #include "cli/point_runner.h"
+#include "cli/surface_runner.h"
 
 namespace limn::cli {
 
@@ -48,9 +49,15 @@ Vector vector_at(const Values& values, size_t i) {
              static_cast<double>(values[3 * i + 2])}};
 }
 
+struct Runners {
+    const RunDevice& device;
+    const PointRunner& points;
+    const SurfaceRunner& surfaces;
+};
+
 struct Check {
     const CheckOptions& options;
-    const PointRunner& runner;
+    const Runners& runners;
     const LoadedModel& loaded;
     const OpenSubdivReference& reference;  ///< refined to options.level
     std::vector<Row> rows;

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/program.h"
+#include "limn/patch_table.h"
 #include "limn/refinement.h"
 #include "limn/stencil_table.h"
 
@@ -21,6 +23,12 @@ struct Histogram {
     std::map<uint32_t, uint64_t> counts;
 };
 
+/// The patch table of positions or of texture coordinates.
+struct TableSummary {
+    uint64_t ptex_faces = 0, surfaces = 0, plans = 0, level1_points = 0, bytes = 0, plan_bytes = 0;
+    uint32_t largest_ring = 0;
+};
+
 struct Summary {
     uint64_t vertices = 0, edges = 0, faces = 0, corners = 0, boundary_edges = 0, non_manifold_vertices = 0,
              loose_vertices = 0, holes = 0, semi_sharp_edges = 0, infinite_edges = 0, sharp_vertices = 0;
@@ -29,6 +37,8 @@ struct Summary {
         boundary_faces{"boundary vertices by faces", {}};
     uint64_t texture_values = 0, texture_seam_vertices = 0;
     uint64_t step_table_bytes = 0;  ///< level 1
+    std::optional<TableSummary> surface, texture;
+    std::vector<std::string> notes;  ///< why there is no table
 };
 
 void count_edges(const Topology& t, Summary& s) {
@@ -62,6 +72,24 @@ void count_vertices(const Topology& t, Summary& s) {
     }
 }
 
+/// A mesh that has no patch table is still one to be told about.
+void summarize_table(const Result<PatchTable>& table, const char* what, std::optional<TableSummary>& out,
+                     Summary& s) {
+    if (!table) {
+        s.notes.push_back("no patch table of " + std::string(what) + ": " + table.error().message);
+        return;
+    }
+    TableSummary t;
+    t.ptex_faces = table->ptex_surfaces.size();
+    t.surfaces = table->surfaces.size();
+    t.plans = table->plans.size();
+    t.level1_points = table->refined_count;
+    t.bytes = table->bytes();
+    t.plan_bytes = table->plan_bytes();
+    for (const Plan& plan : table->plans) t.largest_ring = std::max(t.largest_ring, plan.ring_size);
+    out = t;
+}
+
 Result<Summary> summarize(const ControlMesh& mesh) {
     Result<Refinement> refinement = build_refinement(mesh, {1, false});
     if (!refinement) return refinement.error();
@@ -86,6 +114,11 @@ Result<Summary> summarize(const ControlMesh& mesh) {
     const auto step = build_step_table<float>(*refinement, 1);
     if (!step) return step.error();
     s.step_table_bytes = step->bytes();
+    const PlanCache cache;
+    summarize_table(build_patch_table<float>(mesh, {}, &cache), "positions", s.surface, s);
+    if (!mesh.channels.empty())
+        summarize_table(build_face_varying_patch_table<float>(mesh, 0, {}, &cache), "texture coordinates",
+                        s.texture, s);
     return s;
 }
 
@@ -95,6 +128,14 @@ void print_histogram(const Histogram& h) {
     for (const auto& [key, count] : h.counts)
         std::printf("  %u: %llu", key, static_cast<unsigned long long>(count));
     std::printf("\n");
+}
+
+void print_table(const char* what, const TableSummary& t) {
+    std::printf("%s: %s, %s, %s, largest ring %u, %s of level 1\n", what,
+                plural(t.ptex_faces, "ptex face").c_str(), plural(t.surfaces, "surface").c_str(),
+                plural(t.plans, "plan").c_str(), t.largest_ring, plural(t.level1_points, "point").c_str());
+    std::printf("%s, patch table: %s, %s of it plans\n", what, human_bytes(t.bytes).c_str(),
+                human_bytes(t.plan_bytes).c_str());
 }
 
 void print_text(const Options& options, const Summary& s) {
@@ -120,6 +161,9 @@ void print_text(const Options& options, const Summary& s) {
                     static_cast<unsigned long long>(s.texture_values),
                     static_cast<unsigned long long>(s.texture_seam_vertices));
     std::printf("stencils of level 1: %s\n", human_bytes(s.step_table_bytes).c_str());
+    if (s.surface) print_table("limit surface", *s.surface);
+    if (s.texture) print_table("texture coordinates", *s.texture);
+    for (const std::string& note : s.notes) std::printf("%s\n", note.c_str());
 }
 
 nlohmann::json histogram_json(const Histogram& h) {
@@ -128,25 +172,39 @@ nlohmann::json histogram_json(const Histogram& h) {
     return json;
 }
 
+/// Keys begin with `prefix`; null where there is no table.
+void add_table_json(const std::string& prefix, const std::optional<TableSummary>& table,
+                    nlohmann::json& json) {
+    const TableSummary t = table.value_or(TableSummary{});
+    const std::pair<const char*, uint64_t> values[] = {
+        {"ptex_faces", t.ptex_faces},     {"surfaces", t.surfaces},           {"plans", t.plans},
+        {"largest_ring", t.largest_ring}, {"level1_points", t.level1_points}, {"patch_table_bytes", t.bytes},
+        {"plan_bytes", t.plan_bytes}};
+    for (const auto& [key, value] : values)
+        json[prefix + key] = table ? nlohmann::json(value) : nlohmann::json();
+}
+
 void print_json(const Options& options, const Summary& s) {
-    const nlohmann::json json = {{"model", options.path},
-                                 {"vertices", s.vertices},
-                                 {"edges", s.edges},
-                                 {"faces", s.faces},
-                                 {"face_sizes", histogram_json(s.face_sizes)},
-                                 {"interior_valences", histogram_json(s.interior_valences)},
-                                 {"boundary_vertex_faces", histogram_json(s.boundary_faces)},
-                                 {"boundary_edges", s.boundary_edges},
-                                 {"non_manifold_vertices", s.non_manifold_vertices},
-                                 {"loose_vertices", s.loose_vertices},
-                                 {"holes", s.holes},
-                                 {"semi_sharp_edges", s.semi_sharp_edges},
-                                 {"infinitely_sharp_edges", s.infinite_edges},
-                                 {"sharp_vertices", s.sharp_vertices},
-                                 {"largest_finite_sharpness", s.largest_finite_sharpness},
-                                 {"texture_values", s.texture_values},
-                                 {"texture_seam_vertices", s.texture_seam_vertices},
-                                 {"level1_stencil_bytes", s.step_table_bytes}};
+    nlohmann::json json = {{"model", options.path},
+                           {"vertices", s.vertices},
+                           {"edges", s.edges},
+                           {"faces", s.faces},
+                           {"face_sizes", histogram_json(s.face_sizes)},
+                           {"interior_valences", histogram_json(s.interior_valences)},
+                           {"boundary_vertex_faces", histogram_json(s.boundary_faces)},
+                           {"boundary_edges", s.boundary_edges},
+                           {"non_manifold_vertices", s.non_manifold_vertices},
+                           {"loose_vertices", s.loose_vertices},
+                           {"holes", s.holes},
+                           {"semi_sharp_edges", s.semi_sharp_edges},
+                           {"infinitely_sharp_edges", s.infinite_edges},
+                           {"sharp_vertices", s.sharp_vertices},
+                           {"largest_finite_sharpness", s.largest_finite_sharpness},
+                           {"texture_values", s.texture_values},
+                           {"texture_seam_vertices", s.texture_seam_vertices},
+                           {"level1_stencil_bytes", s.step_table_bytes}};
+    add_table_json("", s.surface, json);
+    add_table_json("texture_", s.texture, json);
     std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 

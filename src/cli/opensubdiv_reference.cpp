@@ -148,6 +148,24 @@ struct OpenSubdivReference::Data {
         for (int level = 1; level <= refiner->GetMaxLevel(); ++level) points = step(level, points);
         return points;
     }
+
+    std::vector<Point<2>> refine_channel(std::span<const float> values) const {
+        const Far::PrimvarRefinerReal<double> primvar(*refiner);
+        return run(points_from<2>(values), [&](int level, std::vector<Point<2>>& from) {
+            std::vector<Point<2>> to(static_cast<size_t>(refiner->GetLevel(level).GetNumFVarValues(0)));
+            primvar.InterpolateFaceVarying(level, from, to, 0);
+            return to;
+        });
+    }
+
+    /// Values of the first channel at the face corners of the last level.
+    std::vector<double> at_corners(const std::vector<Point<2>>& values) const {
+        std::vector<double> corners;
+        for (int f = 0; f < last().GetNumFaces(); ++f)
+            for (const int value : last().GetFaceFVarValues(f, 0))
+                for (const double x : values[static_cast<size_t>(value)].x) corners.push_back(x);
+        return corners;
+    }
 };
 
 OpenSubdivReference::OpenSubdivReference(std::unique_ptr<Data> data) : data_(std::move(data)) {}
@@ -197,18 +215,16 @@ ReferenceLimits OpenSubdivReference::limits(std::span<const float> control_point
 }
 
 std::vector<double> OpenSubdivReference::refine_face_varying(std::span<const float> values) const {
-    const Far::PrimvarRefinerReal<double> refiner(*data_->refiner);
-    const auto refined = data_->run(points_from<2>(values), [&](int level, std::vector<Point<2>>& from) {
-        std::vector<Point<2>> to(static_cast<size_t>(data_->refiner->GetLevel(level).GetNumFVarValues(0)));
-        refiner.InterpolateFaceVarying(level, from, to, 0);
-        return to;
-    });
-    const Far::TopologyLevel& last = data_->last();
-    std::vector<double> corners;
-    for (int f = 0; f < last.GetNumFaces(); ++f)
-        for (const int value : last.GetFaceFVarValues(f, 0))
-            for (const double x : refined[static_cast<size_t>(value)].x) corners.push_back(x);
-    return corners;
+    return data_->at_corners(data_->refine_channel(values));
+}
+
+std::vector<double> OpenSubdivReference::face_varying_limits(std::span<const float> values) const {
+    const std::vector<Point<2>> refined = data_->refine_channel(values);
+    // OpenSubdiv smooths the limits of bilinear channels along seams, though not the channels themselves.
+    if (data_->refiner->GetSchemeType() == Sdc::SCHEME_BILINEAR) return data_->at_corners(refined);
+    std::vector<Point<2>> limits(refined.size());
+    Far::PrimvarRefinerReal<double>(*data_->refiner).LimitFaceVarying(refined, limits, 0);
+    return data_->at_corners(limits);
 }
 
 std::vector<uint8_t> OpenSubdivReference::vertices_with_true_limits() const {

@@ -36,6 +36,8 @@ class OpenSubdivReference {
     bool bfr_is_safe() const;
     /// 2 numbers per face corner of the last level, from 2 per value of the first channel.
     std::vector<double> refine_face_varying(std::span<const float> values) const;
+    /// The same, moved to the limit.
+    std::vector<double> face_varying_limits(std::span<const float> values) const;
 
   private:
     struct Data;

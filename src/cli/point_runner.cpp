@@ -25,17 +25,11 @@ Result<vk::Buffer> create_points(const vk::Device& device, uint64_t points, uint
 
 }  // namespace
 
-Result<PointRunner> PointRunner::create(const DeviceOption& option) {
+Result<PointRunner> PointRunner::create(const RunDevice& device) {
     PointRunner runner;
-    if (option.device == "cpu") return runner;
-    vk::ContextOptions options;
-    options.validation = option.validation;
-    if (option.device != "auto") options.device_index = static_cast<uint32_t>(std::stoul(option.device));
-    Result<vk::Context> context = vk::Context::create(options);
-    if (!context) return context.error();
-    runner.context_.emplace(std::move(*context));
-    runner.name_ = runner.context_->device().name();
-    Result<vk::Evaluator> evaluator = vk::Evaluator::create(runner.context_->device());
+    runner.device_ = &device;
+    if (device.is_host()) return runner;
+    Result<vk::Evaluator> evaluator = vk::Evaluator::create(*device.vulkan());
     if (!evaluator) return evaluator.error();
     runner.evaluator_.emplace(std::move(*evaluator));
     return runner;
@@ -43,13 +37,13 @@ Result<PointRunner> PointRunner::create(const DeviceOption& option) {
 
 Result<std::vector<float>> PointRunner::run(std::span<const StencilTable> tables,
                                             std::span<const float> source, uint32_t width) const {
-    if (!context_) {
+    if (device_->is_host()) {
         std::vector<float> points(source.begin(), source.end());
         for (const StencilTable& table : tables) points = apply_on_host(table, points, width);
         return points;
     }
     if (tables.empty()) return std::vector<float>(source.begin(), source.end());
-    const vk::Device& device = context_->device();
+    const vk::Device& device = *device_->vulkan();
     std::vector<vk::DeviceStencilTable> device_tables;
     std::vector<vk::Buffer> points;
     std::vector<vk::StencilEvaluation> evaluations;
@@ -84,13 +78,13 @@ Result<std::vector<float>> PointRunner::run(std::span<const StencilTable> tables
 
 Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span<const float> source) const {
     LimitPoints limits;
-    if (!context_) {
+    if (device_->is_host()) {
         limits.positions = apply_on_host(table, source, 3);
         limits.tangents1 = apply_on_host(tangent_table(table, table.tangent1_weights), source, 3);
         limits.tangents2 = apply_on_host(tangent_table(table, table.tangent2_weights), source, 3);
         return limits;
     }
-    const vk::Device& device = context_->device();
+    const vk::Device& device = *device_->vulkan();
     Result<vk::Buffer> control = vk::create_point_buffer(device, source);
     if (!control) return control.error();
     Result<vk::DeviceStencilTable> uploaded = vk::upload_stencil_table(device, table);
@@ -120,13 +114,6 @@ Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span
         *results[i] = std::move(*values);
     }
     return limits;
-}
-
-Result<void> PointRunner::check_validation() const {
-    if (!context_ || context_->validation_message_count() == 0) return {};
-    return Error{ErrorCode::vulkan_failure,
-                 plural(context_->validation_message_count(), "validation message") +
-                     ", the first: " + context_->first_validation_message()};
 }
 
 }  // namespace limn::cli

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "cli/program.h"
+#include "cli/run_device.h"
 #include "limn/stencil_table.h"
 #include "limn/vulkan/evaluator.h"
 
@@ -16,11 +16,9 @@ struct LimitPoints {
 
 class PointRunner {
   public:
-    static Result<PointRunner> create(const DeviceOption& option);
-
-    /// Name of the device, or "the host".
-    const std::string& name() const { return name_; }
-    bool is_host() const { return !context_.has_value(); }
+    /// `device` outlives the runner.
+    static Result<PointRunner> create(const RunDevice& device);
+    const std::string& name() const { return device_->name(); }
 
     /// Applies tables one after the other. `source`: tables[0].source_count points of `width` floats.
     Result<std::vector<float>> run(std::span<const StencilTable> tables, std::span<const float> source,
@@ -29,12 +27,8 @@ class PointRunner {
     /// Applies a limit table with tangents to points of 3 floats.
     Result<LimitPoints> run_limits(const StencilTable& table, std::span<const float> source) const;
 
-    /// An error when the validation layer had anything to say.
-    Result<void> check_validation() const;
-
   private:
-    std::string name_ = "the host";
-    std::optional<vk::Context> context_;
+    const RunDevice* device_ = nullptr;
     std::optional<vk::Evaluator> evaluator_;
 };
 

@@ -144,12 +144,16 @@ void add_device_option(CLI::App& command, DeviceOption& option) {
 
 Progress::Progress() : visible_(isatty(STDERR_FILENO) != 0) {}
 Progress::~Progress() {
-    if (visible_) std::fputs("\r\033[K", stderr);
+    clear();
 }
 void Progress::show(const std::string& what) {
     if (!visible_) return;
     std::fprintf(stderr, "\r\033[K%s ...", what.c_str());
     std::fflush(stderr);
+}
+
+void Progress::clear() {
+    if (visible_) std::fputs("\r\033[K", stderr);
 }
 
 std::string plural(uint64_t count, const char* noun) {

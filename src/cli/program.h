@@ -50,6 +50,7 @@ class Progress {
     Progress();
     ~Progress();
     void show(const std::string& what);
+    void clear();  ///< before other lines
 
   private:
     bool visible_;
@@ -61,6 +62,7 @@ std::string human_bytes(uint64_t bytes);
 // One function a command: adds it to the program.
 void add_info(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
+void add_eval(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 

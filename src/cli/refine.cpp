@@ -150,14 +150,16 @@ int run(const Options& options) {
     progress.show("reading " + options.model);
     const Result<LoadedModel> loaded = load_model(options.model, options.surface);
     if (!loaded) return fail(loaded.error());
-    const Result<PointRunner> runner = PointRunner::create(options.device);
+    const Result<RunDevice> device = RunDevice::create(options.device);
+    if (!device) return fail(device.error());
+    const Result<PointRunner> runner = PointRunner::create(*device);
     if (!runner) return fail(runner.error());
     RefinedMesh mesh;
     if (auto done = refine_positions(options, *loaded, *runner, progress, mesh); !done)
         return fail(done.error());
     if (auto done = refine_texture_coordinates(options, *loaded, *runner, progress, mesh); !done)
         return fail(done.error());
-    if (auto silent = runner->check_validation(); !silent) return fail(silent.error());
+    if (auto silent = device->check_validation(); !silent) return fail(silent.error());
     progress.show("writing " + options.output);
     if (auto done = write_mesh(options, mesh); !done) return fail(done.error());
     return 0;

@@ -1,0 +1,178 @@
+// limn eval: the limit surface and its derivatives at a list of places.
+#include <unistd.h>
+
+#include <charconv>
+
+#include "cli/samples_csv.h"
+#include "cli/surface_runner.h"
+#include "limn/patch_table.h"
+
+namespace limn::cli {
+namespace {
+
+struct Options {
+    std::string model, samples, output;
+    bool texture = false;
+    SurfaceOptions surface;
+    DeviceOption device;
+};
+
+constexpr size_t kRowsPerPass = size_t{1} << 18;  // progress is shown, and memory bounded, by passes
+constexpr size_t kNumberBytes = 24;               // of the longest float or face, and a comma
+constexpr uint32_t kMaxNumbers = 3 + 6 * 3;
+constexpr const char* kValueNames[] = {"p", "du", "dv", "duu", "duv", "dvv"};
+
+const char* status_name(SampleStatus status) {
+    switch (status) {
+        case SampleStatus::valid:
+            return "valid";
+        case SampleStatus::hole:
+            return "hole";
+        default:
+            return "out_of_range";
+    }
+}
+
+/// What is evaluated: positions, or texture coordinates over the same faces.
+struct Quantity {
+    PatchTable table;
+    std::span<const float> control;
+    std::string_view components;  ///< a letter each
+    uint32_t width() const { return static_cast<uint32_t>(components.size()); }
+};
+
+Result<Quantity> build_quantity(const Options& options, const LoadedModel& loaded) {
+    if (options.texture && loaded.mesh.channels.empty())
+        return Error{ErrorCode::invalid_argument, "not every corner of its faces has texture coordinates"};
+    Result<PatchTable> table = options.texture ? build_face_varying_patch_table<float>(loaded.mesh, 0, {})
+                                               : build_patch_table<float>(loaded.mesh, {});
+    if (!table) return table.error();
+    if (options.texture) return Quantity{std::move(*table), loaded.model.texture_coordinates, "st"};
+    return Quantity{std::move(*table), loaded.model.positions, "xyz"};
+}
+
+std::string header(const Quantity& quantity) {
+    std::string line = "face,u,v";
+    for (const char* name : kValueNames)
+        for (const char component : quantity.components) {
+            // Texture coordinates are s and t, points px, py, pz.
+            line += std::string(",") + (quantity.width() == 2 && name == kValueNames[0] ? "" : name);
+            line += component;
+        }
+    return line + ",status\n";
+}
+
+/// In the shortest form that reads back as the same float.
+template <class Number>
+char* put_number(char* to, Number value) {
+    to = std::to_chars(to, to + kNumberBytes, value).ptr;
+    *to++ = ',';
+    return to;
+}
+
+void write_rows(std::span<const SampleRow> rows, const SurfaceValues& values, size_t count,
+                TextOutput& output) {
+    char line[kMaxNumbers * kNumberBytes];
+    const float* numbers = values.numbers.data();
+    for (size_t i = 0; i < rows.size(); ++i) {
+        char* to = put_number(line, rows[i].face);
+        to = put_number(to, rows[i].u);
+        to = put_number(to, rows[i].v);
+        for (size_t k = 0; k < count; ++k) to = put_number(to, *numbers++);
+        output.append({line, static_cast<size_t>(to - line)});
+        output.append(status_name(values.statuses[i]));
+        output.append("\n");
+    }
+}
+
+SurfaceSample sample_of(const SampleRow& row) {
+    const bool fits = row.face >= 0 && row.face < int64_t{kInvalidIndex};
+    return {fits ? static_cast<uint32_t>(row.face) : kInvalidIndex, row.u, row.v};
+}
+
+Result<void> evaluate_rows(const SurfaceRunner& runner, const RunSurface& surface,
+                           std::span<const SampleRow> rows, Progress* progress, TextOutput& output) {
+    constexpr Derivatives kAll = Derivatives::second;
+    std::vector<SurfaceSample> samples;
+    for (size_t first = 0; first < rows.size(); first += samples.size()) {
+        if (progress != nullptr)
+            progress->show("evaluated " + std::to_string(first) + " of " + plural(rows.size(), "sample") +
+                           " on " + runner.name());
+        const auto pass = rows.subspan(first, std::min(kRowsPerPass, rows.size() - first));
+        samples.clear();
+        for (const SampleRow& row : pass) samples.push_back(sample_of(row));
+        const Result<SurfaceValues> values = runner.run(surface, samples, kAll);
+        if (!values) return values.error();
+        write_rows(pass, *values, value_count(kAll) * surface.width, output);
+    }
+    return {};
+}
+
+Result<void> evaluate(const Options& options, Progress& progress) {
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    progress.show("reading " + options.samples);
+    const Result<std::vector<SampleRow>> rows = read_samples(options.samples);
+    if (!rows) return rows.error();
+    progress.show("building the patch table of " + plural(loaded->mesh.face_count(), "face"));
+    const Result<Quantity> quantity = build_quantity(options, *loaded);
+    if (!quantity)
+        return Error{quantity.error().code, printable(options.model) + ": " + quantity.error().message};
+    const Result<RunDevice> device = RunDevice::create(options.device);
+    if (!device) return device.error();
+    const Result<SurfaceRunner> runner = SurfaceRunner::create(*device);
+    if (!runner) return runner.error();
+    const Result<RunSurface> surface = runner->prepare(quantity->table, quantity->control, quantity->width());
+    if (!surface) return surface.error();
+    Result<TextOutput> output = TextOutput::create(options.output);
+    if (!output) return output.error();
+    // Rows on the terminal are progress enough.
+    const bool to_terminal = options.output == "-" && isatty(STDOUT_FILENO) != 0;
+    if (to_terminal) progress.clear();
+    output->append(header(*quantity));
+    if (auto done = evaluate_rows(*runner, *surface, *rows, to_terminal ? nullptr : &progress, *output);
+        !done)
+        return done;
+    if (auto silent = device->check_validation(); !silent) return silent;
+    return output->commit();
+}
+
+int run(const Options& options) {
+    Progress progress;
+    const Result<void> done = evaluate(options, progress);
+    progress.clear();
+    return done ? 0 : fail(done.error());
+}
+
+}  // namespace
+
+void add_eval(CLI::App& program, int& status) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command =
+        program.add_subcommand("eval", "Evaluate the limit surface and its derivatives at samples");
+    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command
+        ->add_option(
+            "--at", options->samples,
+            "CSV file of samples, a row face,u,v each; a header line is accepted; - is standard input")
+        ->required();
+    command->add_option("-o,--output", options->output, "CSV file to write; - is standard output")
+        ->required();
+    command->add_flag("--texture", options->texture, "Evaluate texture coordinates instead of positions");
+    add_surface_options(*command, options->surface);
+    add_device_option(*command, options->device);
+    command->footer(
+        "face is the ptex face: a quad (Loop: a triangle) is one, any other face of n sides is n, numbered "
+        "in "
+        "face order; u and v go from 0 to 1, (0,0) at the corner's vertex and u along the edge to the next "
+        "one (triangles: u + v <= 1).\n"
+        "For each sample, in order, a row: face,u,v,px,py,pz, then dux..duz, dvx..dvz, duux.., duvx.., "
+        "dvvx.. "
+        "by u and v, and status: valid; hole; out_of_range (no such face, or u and v are not within it). "
+        "Values that are not valid are 0. With --texture: face,u,v,s,t,dus,dut,dvs,dvt, and so on.\n"
+        "Evaluation is in float, u and v included.");
+    command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace limn::cli
