@@ -1,5 +1,5 @@
-// Position and normal at 9 x 9 places of each ptex face, from control points: limn on a Vulkan device against
-// OpenSubdiv's evaluators, which have du and dv in place of normals, in the same run.
+// Position and normal at a grid of places of each ptex face, from control points: limn on a Vulkan device
+// against OpenSubdiv's evaluators, which have du and dv in place of normals, in the same run.
 #include "bench.h"
 #include "limn_patches.h"
 #include "machines.h"
@@ -10,18 +10,22 @@
 namespace limn::bench {
 namespace {
 
-void bench_model(const Options& options, const Machines& machines, const BenchModel& model, Report& report) {
+constexpr uint32_t kRates[] = {4, 8, 16};
+
+void bench_model(const Options& options, const Machines& machines, const LimnDevice& limn,
+                 const BenchModel& model, Report& report) {
     const auto truth = value_or_fail(options, build_patch_table<double>(model.mesh, {}));
-    PatchBench bench(options, model, report, "grid_eval", truth, grid_samples(truth));
     const auto table = value_or_fail(options, build_patch_table<float>(model.mesh, {}));
-    const auto limn =
-        make_limn_grid_candidate(machines.device(), table, model.positions, machines.copy.device);
-    if (limn)
-        bench.run(*limn);
-    else
-        bench.add_missing("limn", true, limn.error().message);
-    bench.run_osd(machines);
-    bench.finish();
+    for (const uint32_t rate : kRates) {
+        PatchBench bench(options, model, report,
+                         "grid_eval/" + model.name + "/rate=" + std::to_string(rate) + "/", truth,
+                         grid_samples(truth, rate));
+        for (const GridLayout layout : {GridLayout::interleaved, GridLayout::separate})
+            bench.run(
+                value_or_fail(options, make_limn_grid_candidate(limn, table, model.positions, rate, layout)));
+        bench.run_osd(machines);
+        bench.finish();
+    }
 }
 
 }  // namespace
@@ -33,8 +37,10 @@ int main(int argc, char** argv) {
     const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
     const std::vector<BenchModel> models = load_models(options);
     const Machines machines = open_machines(options);
+    const auto evaluator = value_or_fail(options, vk::SurfaceEvaluator::create(machines.device()));
+    const LimnDevice limn{machines.device(), evaluator, machines.copy.device};
     Report report(options, "grid_eval", machines.facts(), "samples");
-    for (const BenchModel& model : models) bench_model(options, machines, model, report);
+    for (const BenchModel& model : models) bench_model(options, machines, limn, model, report);
     value_or_fail(options, report.finish());
     return 0;
 }

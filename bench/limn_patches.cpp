@@ -1,16 +1,245 @@
 #include "limn_patches.h"
 
-namespace limn::bench {
+#include <bit>
+#include <cstdio>
+#include <memory>
 
-Result<PatchCandidate> make_limn_patch_eval_candidate(const vk::Device&, const PatchTable&,
-                                                      std::span<const PatchSample>, const std::vector<float>&,
-                                                      double) {
-    return Error{ErrorCode::unsupported, "not on a device yet"};
+#include "candidate.h"
+#include "patch_samples.h"
+#include "timestamps.h"
+
+namespace limn::bench {
+namespace {
+
+/// Members are destroyed in reverse: commands before what they refer to.
+struct Frame {
+    explicit Frame(const vk::Device& of) : device(of), timestamps(of) {}
+    const vk::Device& device;
+    vk::DevicePatchTable patches;
+    vk::DeviceGridTable grid;  ///< of grids only
+    vk::Buffer points;         ///< control points, then those of level 1
+    vk::Buffer samples;        ///< of lists only
+    vk::Buffer values;
+    vk::Buffer normals;  ///< only where they are not among the values
+    std::optional<vk::StencilEvaluation> refined;
+    std::optional<vk::SurfaceEvaluation> surface;
+    Timestamps timestamps;
+    std::optional<vk::Commands> commands;
+
+    vk::PointBuffer bound_points() const { return {.buffer = points.handle, .stride = 3}; }
+};
+
+std::string megabytes(uint64_t bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f MB", static_cast<double>(bytes) / 1e6);
+    return text;
 }
 
-Result<PatchCandidate> make_limn_grid_candidate(const vk::Device&, const PatchTable&,
-                                                const std::vector<float>&, double) {
-    return Error{ErrorCode::unsupported, "not on a device yet"};
+Result<void> create_floats(const vk::Device& device, uint64_t count, vk::Buffer& buffer) {
+    auto created = vk::create_buffer(device, 4 * count, vk::kPointUsage, vk::MemoryUse::device);
+    if (!created) return created.error();
+    buffer = std::move(*created);
+    return {};
+}
+
+/// The table and the points; the control points lie in theirs.
+Result<std::shared_ptr<Frame>> make_frame(const LimnDevice& limn, const PatchTable& table,
+                                          const std::vector<float>& positions) {
+    auto frame = std::make_shared<Frame>(limn.device);
+    auto uploaded = vk::upload_patch_table(limn.device, table);
+    if (!uploaded) return uploaded.error();
+    frame->patches = std::move(*uploaded);
+    if (auto created = create_floats(limn.device, uint64_t{3} * table.point_count(), frame->points); !created)
+        return created.error();
+    if (auto done = vk::upload_bytes(limn.device, frame->points, 0, std::as_bytes(std::span(positions)));
+        !done)
+        return done.error();
+    auto refined =
+        limn.evaluator.prepare_points({.patches = &frame->patches, .points = frame->bound_points()});
+    if (!refined) return refined.error();
+    frame->refined.emplace(std::move(*refined));
+    return frame;
+}
+
+/// Records the frame, and says what it is.
+Result<PatchCandidate> make_candidate(const LimnDevice& limn, const std::shared_ptr<Frame>& frame,
+                                      std::string name, uint64_t sample_count) {
+    auto commands = vk::Commands::begin(limn.device);
+    if (!commands) return commands.error();
+    frame->timestamps.record_begin(*commands);
+    frame->refined->record(*commands);
+    vk::record_barrier(limn.device, *commands, vk::kKernelWrites, vk::kKernelReads);
+    frame->surface->record(*commands);
+    vk::record_barrier(limn.device, *commands, vk::kKernelWrites, vk::kCopyReads);
+    frame->timestamps.record_end(*commands);
+    frame->commands.emplace(std::move(*commands));
+
+    PatchCandidate candidate;
+    candidate.name = std::move(name);
+    candidate.is_limn = true;
+    candidate.sample_count = sample_count;
+    candidate.dispatch_count = frame->refined->dispatch_count() + frame->surface->dispatch_count();
+    // Points are read or written to make those of level 1, and then all read.
+    candidate.bytes = frame->patches.bytes() + uint64_t{2} * 12 * frame->patches.point_count;
+    candidate.copy_rate = limn.copy_rate;
+    candidate.note = megabytes(frame->patches.bytes()) + " patches";
+    candidate.frame = [frame] { return frame->commands->submit_and_wait().has_value(); };
+    if (frame->timestamps.available())
+        candidate.device_milliseconds = [frame] { return frame->timestamps.milliseconds(); };
+    return candidate;
+}
+
+std::vector<uint32_t> sample_words(std::span<const PatchSample> samples) {
+    std::vector<uint32_t> words;
+    words.reserve(3 * samples.size());
+    for (const PatchSample& s : samples)
+        for (const uint32_t word : {s.face, std::bit_cast<uint32_t>(static_cast<float>(s.u)),
+                                    std::bit_cast<uint32_t>(static_cast<float>(s.v))})
+            words.push_back(word);
+    return words;
+}
+
+/// Floats of the samples of `faces`, which the buffer has among those of all ptex faces. Empty when it cannot
+/// be read.
+std::vector<float> download_grid(const Frame& frame, const vk::Buffer& buffer, uint32_t stride,
+                                 std::span<const uint32_t> faces) {
+    const auto all = vk::download<float>(frame.device, buffer, frame.grid.sample_count() * stride);
+    std::vector<float> values;
+    if (!all) return values;
+    const size_t face_floats = size_t{frame.grid.samples_per_face} * stride;
+    values.reserve(faces.size() * face_floats);
+    for (const uint32_t face : faces)
+        values.insert(values.end(), all->data() + face * face_floats, all->data() + (face + 1) * face_floats);
+    return values;
+}
+
+Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, GridLayout layout) {
+    const uint64_t count = frame.grid.sample_count();
+    const bool separate = layout == GridLayout::separate;
+    const uint32_t stride = separate ? 3 : 6;
+    if (auto created = create_floats(limn.device, count * stride, frame.values); !created)
+        return created.error();
+    if (separate)
+        if (auto created = create_floats(limn.device, count * stride, frame.normals); !created)
+            return created.error();
+    auto surface = limn.evaluator.prepare_grid(
+        {.patches = &frame.patches,
+         .grid = &frame.grid,
+         .points = frame.bound_points(),
+         .values = {.buffer = frame.values.handle, .stride = stride},
+         .normals = {.buffer = separate ? frame.normals.handle : frame.values.handle,
+                     .first = separate ? 0u : 3u,
+                     .stride = stride}});
+    if (!surface) return surface.error();
+    frame.surface.emplace(std::move(*surface));
+    return {};
+}
+
+}  // namespace
+
+Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, const PatchTable& table,
+                                                      std::span<const PatchSample> samples,
+                                                      const std::vector<float>& positions) {
+    const auto made = make_frame(limn, table, positions);
+    if (!made) return made.error();
+    const std::shared_ptr<Frame> frame = *made;
+    const std::vector<uint32_t> words = sample_words(samples);
+    constexpr uint32_t kRecord = 9;  // position, du, dv
+    const size_t count = samples.size();
+    if (auto created = create_floats(limn.device, words.size(), frame->samples); !created)
+        return created.error();
+    if (auto created = create_floats(limn.device, kRecord * count, frame->values); !created)
+        return created.error();
+    if (auto done = vk::upload_bytes(limn.device, frame->samples, 0, std::as_bytes(std::span(words))); !done)
+        return done.error();
+    auto surface = limn.evaluator.prepare_samples(
+        {.patches = &frame->patches,
+         .derivatives = Derivatives::first,
+         .points = frame->bound_points(),
+         .samples = {.buffer = frame->samples.handle, .count = static_cast<uint32_t>(count)},
+         .results = {.buffer = frame->values.handle, .stride = kRecord}});
+    if (!surface) return surface.error();
+    frame->surface.emplace(std::move(*surface));
+
+    auto candidate = make_candidate(limn, frame, "limn", count);
+    if (!candidate) return candidate;
+    candidate->bytes += frame->samples.size_bytes + frame->values.size_bytes;
+    candidate->values = [frame, count] {
+        const auto all = vk::download<float>(frame->device, frame->values, kRecord * count);
+        if (!all) return PatchValues{};
+        const auto value = [&](size_t k) { return unpad_points(all->data() + 3 * k, count, kRecord); };
+        return PatchValues{value(0), value(1), value(2), {}};
+    };
+    return candidate;
+}
+
+Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const PatchTable& table,
+                                                const std::vector<float>& positions, uint32_t rate,
+                                                GridLayout layout) {
+    const auto made = make_frame(limn, table, positions);
+    if (!made) return made.error();
+    const std::shared_ptr<Frame> frame = *made;
+    const auto grid = build_grid_table(table, {.rate = rate});
+    if (!grid) return grid.error();
+    auto uploaded = vk::upload_grid_table(limn.device, *grid);
+    if (!uploaded) return uploaded.error();
+    frame->grid = std::move(*uploaded);
+    if (auto prepared = prepare_grid(limn, *frame, layout); !prepared) return prepared.error();
+
+    const bool separate = layout == GridLayout::separate;
+    const std::vector<uint32_t> faces = present_faces(table.ptex_surfaces);
+    const size_t count = faces.size() * frame->grid.samples_per_face;
+    auto candidate = make_candidate(limn, frame, separate ? "limn_separate" : "limn", count);
+    if (!candidate) return candidate;
+    candidate->bytes += frame->grid.bytes() + uint64_t{2} * 12 * count;  // holes are not written
+    candidate->note += ", " + megabytes(frame->grid.bytes()) + " grid";
+    candidate->values = [frame, faces, count, separate] {
+        const uint32_t stride = separate ? 3 : 6;
+        std::vector<float> values = download_grid(*frame, frame->values, stride, faces);
+        if (values.empty()) return PatchValues{};
+        if (separate)
+            return PatchValues{values, {}, {}, download_grid(*frame, frame->normals, stride, faces)};
+        return PatchValues{unpad_points(values.data(), count, stride),
+                           {},
+                           {},
+                           unpad_points(values.data() + 3, count, stride)};
+    };
+    return candidate;
+}
+
+PatchCandidate make_limn_host_patch_eval_candidate(const PatchTable& table,
+                                                   std::span<const PatchSample> samples,
+                                                   const std::vector<float>& positions, double copy_rate) {
+    struct HostFrame {
+        std::vector<double> control, points, values;
+        std::vector<SampleStatus> statuses;
+    };
+    const size_t count = samples.size();
+    const auto frame = std::make_shared<HostFrame>();
+    frame->control.assign(positions.begin(), positions.end());
+    frame->points.resize(size_t{3} * table.point_count());
+    frame->values.resize(9 * count);
+    frame->statuses.resize(count);
+
+    PatchCandidate candidate;
+    candidate.name = "limn_cpu_double";
+    candidate.is_limn = true;
+    candidate.sample_count = count;
+    candidate.bytes = table.bytes() + uint64_t{2} * 24 * table.point_count() +
+                      count * (sizeof(PatchSample) + 9 * sizeof(double) + sizeof(SampleStatus));
+    candidate.copy_rate = copy_rate;
+    candidate.frame = [frame, &table, samples] {
+        build_patch_points(table, frame->control, 3, frame->points);
+        evaluate_patches(table, samples, frame->points, 3, Derivatives::first, frame->values,
+                         frame->statuses);
+        return true;
+    };
+    candidate.values = [frame, count] {
+        const std::vector<float> all(frame->values.begin(), frame->values.end());
+        const auto value = [&](size_t k) { return unpad_points(all.data() + 3 * k, count, 9); };
+        return PatchValues{value(0), value(1), value(2), {}};
+    };
+    return candidate;
 }
 
 }  // namespace limn::bench

@@ -6,19 +6,35 @@
 
 #include "bench.h"
 #include "limn/evaluate.h"
-#include "limn/vulkan/context.h"
+#include "limn/vulkan/surface_evaluator.h"
 #include "patch_candidate.h"
 
 namespace limn::bench {
 
-/// Position, du and dv at each sample. A frame is one submission: level-1 points, then samples. `device` must
-/// outlive the candidate; `table` and `samples` need not. Errors: unsupported.
-Result<PatchCandidate> make_limn_patch_eval_candidate(const vk::Device& device, const PatchTable& table,
-                                                      std::span<const PatchSample> samples,
-                                                      const std::vector<float>& positions, double copy_rate);
+/// Both must outlive the candidates.
+struct LimnDevice {
+    const vk::Device& device;
+    const vk::SurfaceEvaluator& evaluator;
+    double copy_rate;  ///< bytes per second of a plain copy
+};
 
-/// Position and normal at kGridSize x kGridSize places per ptex face; values() in the order of grid_samples.
-Result<PatchCandidate> make_limn_grid_candidate(const vk::Device& device, const PatchTable& table,
-                                                const std::vector<float>& positions, double copy_rate);
+/// Position, du and dv at each sample. A frame is one submission: level-1 points, then samples.
+Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, const PatchTable& table,
+                                                      std::span<const PatchSample> samples,
+                                                      const std::vector<float>& positions);
+
+/// The same by evaluate_patches: on all cores of the host, in double. `table` and `samples` must outlive the
+/// candidate.
+PatchCandidate make_limn_host_patch_eval_candidate(const PatchTable& table,
+                                                   std::span<const PatchSample> samples,
+                                                   const std::vector<float>& positions, double copy_rate);
+
+/// Where normals go: behind each position, or into a buffer of their own.
+enum class GridLayout { interleaved, separate };
+
+/// Position and normal at grids of this rate; values() in the order of grid_samples.
+Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const PatchTable& table,
+                                                const std::vector<float>& positions, uint32_t rate,
+                                                GridLayout layout);
 
 }  // namespace limn::bench

@@ -3,50 +3,10 @@
 #include <memory>
 #include <utility>
 
+#include "timestamps.h"
+
 namespace limn::bench {
 namespace {
-
-/// Two timestamps, where the queue has them.
-struct Timestamps {
-    const vk::Device* device = nullptr;
-    VkQueryPool pool = VK_NULL_HANDLE;
-    uint64_t mask = 0;
-
-    explicit Timestamps(const vk::Device& of) : device(&of) {
-        uint32_t count = of.queue_family_index + 1;
-        std::vector<VkQueueFamilyProperties> families(count);
-        of.functions.GetPhysicalDeviceQueueFamilyProperties(of.physical_device, &count, families.data());
-        const uint32_t bits = families[of.queue_family_index].timestampValidBits;
-        if (bits == 0) return;
-        mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
-        VkQueryPoolCreateInfo info = {};
-        info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
-        info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-        info.queryCount = 2;
-        if (of.functions.CreateQueryPool(of.handle, &info, nullptr, &pool) != VK_SUCCESS)
-            pool = VK_NULL_HANDLE;
-    }
-    Timestamps(const Timestamps&) = delete;
-    Timestamps& operator=(const Timestamps&) = delete;
-    ~Timestamps() {
-        if (pool != VK_NULL_HANDLE) device->functions.DestroyQueryPool(device->handle, pool, nullptr);
-    }
-    void record(VkCommandBuffer commands, uint32_t index) const {
-        if (pool == VK_NULL_HANDLE) return;
-        if (index == 0) device->functions.CmdResetQueryPool(commands, pool, 0, 2);
-        const auto stage =
-            index == 0 ? VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT : VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
-        device->functions.CmdWriteTimestamp(commands, stage, pool, index);
-    }
-    double milliseconds() const {
-        uint64_t times[2] = {};
-        device->functions.GetQueryPoolResults(device->handle, pool, 0, 2, sizeof times, times,
-                                              sizeof times[0],
-                                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-        const double ticks = static_cast<double>((times[1] - times[0]) & mask);
-        return ticks * static_cast<double>(device->properties.limits.timestampPeriod) * 1e-6;
-    }
-};
 
 /// Members are destroyed in reverse: commands before what they refer to.
 struct Frame {
@@ -117,7 +77,7 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
     }
     auto commands = vk::Commands::begin(device);
     if (!commands) return commands.error();
-    frame->timestamps.record(*commands, 0);
+    frame->timestamps.record_begin(*commands);
     uint32_t dispatch_count = 0;
     for (size_t i = 0; i < tables.size(); ++i) {
         auto evaluation =
@@ -132,14 +92,14 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
         frame->evaluations.push_back(std::move(*evaluation));
     }
     vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kCopyReads);
-    frame->timestamps.record(*commands, 1);
+    frame->timestamps.record_end(*commands);
     frame->commands.emplace(std::move(*commands));
 
     candidate.name =
         std::string("limn") + (tables.size() == 1 ? "_composed" : "_chain") + (width == 4 ? "_xyzw" : "");
     candidate.dispatch_count = dispatch_count;
     candidate.frame = [frame] { return frame->commands->submit_and_wait().has_value(); };
-    if (frame->timestamps.pool != VK_NULL_HANDLE)
+    if (frame->timestamps.available())
         candidate.device_milliseconds = [frame] { return frame->timestamps.milliseconds(); };
     candidate.points = [frame, width, count = size_t{tables.back().row_count()}] {
         const auto values = vk::download<float>(frame->device, frame->points.back(), width * count);

@@ -15,8 +15,8 @@ namespace limn::bench {
 /// One model: candidates run one after the other, so that only one of them takes memory.
 class PatchBench {
   public:
-    /// Evaluates the truth, in double. Rows are named `benchmark`/model/candidate.
-    PatchBench(const Options& options, const BenchModel& model, Report& report, const std::string& benchmark,
+    /// Evaluates the truth, in double. Rows are named `prefix` and then the candidate.
+    PatchBench(const Options& options, const BenchModel& model, Report& report, std::string prefix,
                const PatchTableDouble& table, std::vector<PatchSample> samples);
 
     const std::vector<PatchSample>& samples() const { return samples_; }
@@ -27,8 +27,8 @@ class PatchBench {
     void add_missing(const std::string& name, bool is_limn, const std::string& why);
     /// OpenSubdiv's evaluators on all machines, for points of three floats and padded to four.
     void run_osd(const Machines& machines);
-    /// The best of limn against the best of OpenSubdiv, and of its GL evaluator, which runs on the same kind
-    /// of device.
+    /// The best of limn on a device against the best of OpenSubdiv, and of its GL evaluator, which runs on
+    /// the same kind of device.
     void finish();
 
   private:

@@ -21,6 +21,7 @@ struct PatchCandidate {
     uint32_t dispatch_count = 0;  ///< 0 where it runs on the host
     uint64_t bytes = 0;           ///< tables, places, points read and written and results, once each
     double copy_rate = 0;         ///< bytes per second of a plain copy where it runs
+    std::string note = {};        ///< for the table
     /// From the control points that lie where it wants them to the values of all samples; waits for the end.
     std::function<bool()> frame;
     /// Milliseconds of the latest frame by the device's own clock, or empty.

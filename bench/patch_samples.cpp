@@ -5,14 +5,8 @@
 namespace limn::bench {
 namespace {
 
-std::vector<uint32_t> present_faces(const PatchTableDouble& table) {
-    std::vector<uint32_t> faces;
-    for (uint32_t f = 0; f < table.ptex_surfaces.size(); ++f)
-        if (table.ptex_surfaces[f] != kInvalidIndex) faces.push_back(f);
-    return faces;
-}
-
-bool of_triangles(const PatchTableDouble& table) {
+template <class Real>
+bool of_triangles(const BasicPatchTable<Real>& table) {
     return table.options.scheme == Scheme::loop;
 }
 
@@ -55,8 +49,16 @@ struct Walk {
 
 }  // namespace
 
-std::vector<PatchSample> random_samples(const PatchTableDouble& table, uint32_t count) {
-    const std::vector<uint32_t> faces = present_faces(table);
+std::vector<uint32_t> present_faces(std::span<const uint32_t> ptex_surfaces) {
+    std::vector<uint32_t> faces;
+    for (uint32_t f = 0; f < ptex_surfaces.size(); ++f)
+        if (ptex_surfaces[f] != shared::kPtexHole) faces.push_back(f);
+    return faces;
+}
+
+template <class Real>
+std::vector<PatchSample> random_samples(const BasicPatchTable<Real>& table, uint32_t count) {
+    const std::vector<uint32_t> faces = present_faces(table.ptex_surfaces);
     std::vector<PatchSample> samples;
     if (faces.empty()) return samples;
     samples.reserve(count);
@@ -69,17 +71,18 @@ std::vector<PatchSample> random_samples(const PatchTableDouble& table, uint32_t 
     return samples;
 }
 
-std::vector<PatchSample> grid_samples(const PatchTableDouble& table) {
-    constexpr uint32_t last = kGridSize - 1;
+std::vector<PatchSample> grid_samples(const PatchTableDouble& table, uint32_t rate) {
+    const double size = rate;
     std::vector<PatchSample> samples;
-    for (const uint32_t face : present_faces(table))
-        for (uint32_t j = 0; j <= last; ++j)
-            for (uint32_t i = 0; i <= (of_triangles(table) ? last - j : last); ++i)
-                samples.push_back({face, i / double{last}, j / double{last}});
+    for (const uint32_t face : present_faces(table.ptex_surfaces))
+        for (uint32_t j = 0; j <= rate; ++j)
+            for (uint32_t i = 0; i <= (of_triangles(table) ? rate - j : rate); ++i)
+                samples.push_back({face, i / size, j / size});
     return samples;
 }
 
-std::vector<double> evaluate_samples(const PatchTableDouble& table, std::span<const PatchSample> samples,
+template <class Real>
+std::vector<double> evaluate_samples(const BasicPatchTable<Real>& table, std::span<const PatchSample> samples,
                                      const std::vector<float>& positions, Derivatives derivatives) {
     const std::vector<double> control(positions.begin(), positions.end());
     std::vector<double> points(size_t{3} * table.point_count());
@@ -89,6 +92,13 @@ std::vector<double> evaluate_samples(const PatchTableDouble& table, std::span<co
     evaluate_patches(table, samples, points, 3, derivatives, values, statuses);
     return values;
 }
+
+template std::vector<PatchSample> random_samples(const PatchTable&, uint32_t);
+template std::vector<PatchSample> random_samples(const PatchTableDouble&, uint32_t);
+template std::vector<double> evaluate_samples(const PatchTable&, std::span<const PatchSample>,
+                                              const std::vector<float>&, Derivatives);
+template std::vector<double> evaluate_samples(const PatchTableDouble&, std::span<const PatchSample>,
+                                              const std::vector<float>&, Derivatives);
 
 RefinedCorners refined_corners(const Options& options, const BenchModel& model, uint32_t level) {
     const auto refinement =

@@ -10,16 +10,20 @@
 
 namespace limn::bench {
 
-/// Places uniform over the ptex faces outside holes, in no order. u and v are floats.
-std::vector<PatchSample> random_samples(const PatchTableDouble& table, uint32_t count);
+/// The ptex faces outside holes.
+std::vector<uint32_t> present_faces(std::span<const uint32_t> ptex_surfaces);
 
-inline constexpr uint32_t kGridSize = 9;
-/// kGridSize x kGridSize places per ptex face outside holes, in the order face, v, u. Of a triangle those in
+/// Places uniform over the ptex faces outside holes, in no order. u and v are floats.
+template <class Real>
+std::vector<PatchSample> random_samples(const BasicPatchTable<Real>& table, uint32_t count);
+
+/// Those of grids of this rate, of ptex faces outside holes: in the order face, v, u. Of a triangle those in
 /// it.
-std::vector<PatchSample> grid_samples(const PatchTableDouble& table);
+std::vector<PatchSample> grid_samples(const PatchTableDouble& table, uint32_t rate);
 
 /// The limit surface in double, by evaluate_patches: per sample `value_count(derivatives)` x y z triples.
-std::vector<double> evaluate_samples(const PatchTableDouble& table, std::span<const PatchSample> samples,
+template <class Real>
+std::vector<double> evaluate_samples(const BasicPatchTable<Real>& table, std::span<const PatchSample> samples,
                                      const std::vector<float>& positions, Derivatives derivatives);
 
 /// Corners of the faces of a refined mesh, as places on the base faces, and the limits of those vertices.

@@ -1,11 +1,12 @@
 // Building what evaluators take, from the mesh in memory: limn's patch tables against OpenSubdiv's
-// feature-adaptive patches and stencils.
+// feature-adaptive patches and stencils. And uploading limn's to a Vulkan device, where there is one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "bench.h"
-#include "limn/patch_table.h"
+#include "limn/vulkan/surface_tables.h"
+#include "limn_stencils.h"
 #include "models.h"
 #include "osd.h"
 #include "osd_patches.h"
@@ -22,6 +23,7 @@ constexpr uint32_t kRefinedLevel = 2;
 
 struct Setup {
     const Options& options;
+    const vk::Device* device;  ///< null where there is none
     const BenchModel& model;
     Report& report;
     OsdMesh osd;
@@ -52,35 +54,9 @@ std::unique_ptr<const OsdPatches> build_osd(const Setup& setup, uint32_t level) 
     return patches;
 }
 
-template <class T>
-Array<double> to_double(const Array<T>& from) {
-    Array<double> to;
-    to.allocate(from.size());
-    for (size_t i = 0; i < from.size(); ++i) to[i] = static_cast<double>(from[i]);
-    return to;
-}
-
-/// The same table, weights as they are in float: what is verified is what is timed.
-PatchTableDouble to_double(const PatchTable& from) {
-    PatchTableDouble to;
-    to.options = from.options;
-    to.control_count = from.control_count;
-    to.stencils.source_count = from.stencils.source_count;
-    to.stencils.offsets = from.stencils.offsets;
-    to.stencils.indices = from.stencils.indices;
-    to.stencils.weights = to_double(from.stencils.weights);
-    to.surfaces = from.surfaces;
-    to.ring_points = from.ring_points;
-    to.plans = from.plans;
-    to.plan_nodes = from.plan_nodes;
-    to.plan_points = from.plan_points;
-    to.plan_weights = to_double(from.plan_weights);
-    to.ptex_surfaces = from.ptex_surfaces;
-    return to;
-}
-
-/// How far the surface is from the limits of refined vertices: as far as floats are, or this fails.
-double verify_limits(const Setup& setup, const PatchTableDouble& table, const char* what) {
+/// How far the surface, with the weights in float that are timed, is from the limits of refined vertices: as
+/// far as floats are, or this fails.
+double verify_limits(const Setup& setup, const PatchTable& table, const char* what) {
     const RefinedCorners corners = refined_corners(setup.options, setup.model, kRefinedLevel);
     const double difference = largest_difference(
         evaluate_samples(table, corners.samples, setup.model.positions, Derivatives::none), corners.limits);
@@ -96,7 +72,7 @@ double verify_limits(const Setup& setup, const PatchTableDouble& table, const ch
 
 /// How far OpenSubdiv's surface is from limn's. It is right but for the error of its own that the level
 /// leaves, which must be about as small as it should be.
-double verify_osd(const Setup& setup, const PatchTableDouble& table, uint32_t level) {
+double verify_osd(const Setup& setup, const PatchTable& table, uint32_t level) {
     const auto samples = random_samples(table, kSampleCount);
     const auto patches = build_osd(setup, level);
     const auto places = find_osd_patches(*patches, samples);
@@ -116,17 +92,15 @@ double verify_osd(const Setup& setup, const PatchTableDouble& table, uint32_t le
 
 void verify(const Setup& setup) {
     const PlanCache cache;
-    const PatchTable cold = build(setup, nullptr);
-    const PatchTableDouble table = to_double(cold);
+    const PatchTable table = build(setup, nullptr);
     double worst = verify_limits(setup, table, "the patch table");
     for (int i = 0; i < 2; ++i)
-        worst =
-            std::max(worst, verify_limits(setup, to_double(build(setup, &cache)), "a cached patch table"));
+        worst = std::max(worst, verify_limits(setup, build(setup, &cache), "a cached patch table"));
     char text[256];
     std::snprintf(text, sizeof text,
                   "%s: %u faces, %zu ptex faces; within %.1e of the size of the limits at level %u; "
                   "OpenSubdiv within %.1e at level %u, %.1e at level %u",
-                  setup.model.name.c_str(), setup.model.mesh.face_count(), cold.ptex_surfaces.size(), worst,
+                  setup.model.name.c_str(), setup.model.mesh.face_count(), table.ptex_surfaces.size(), worst,
                   kRefinedLevel, verify_osd(setup, table, kLevel), kLevel,
                   verify_osd(setup, table, kDeepLevel), kDeepLevel);
     setup.report.add_text(text);
@@ -137,6 +111,12 @@ struct Built {
     std::string note;  ///< what it is, its bytes and the most memory that building it took
 };
 
+std::string device_bytes(const Setup& setup, const PatchTable& table) {
+    if (setup.device == nullptr) return "";
+    const auto uploaded = value_or_fail(setup.options, vk::upload_patch_table(*setup.device, table));
+    return " (" + megabytes(uploaded.bytes()) + " on the device)";
+}
+
 Built measure_limn(const Setup& setup, const PlanCache* cache) {
     std::optional<PatchTable> table;
     const auto step = [&] { return table = build(setup, cache), true; };
@@ -145,9 +125,22 @@ Built measure_limn(const Setup& setup, const PlanCache* cache) {
     reset();
     const uint64_t peak = peak_memory(step);
     built.note = std::to_string(table->surfaces.size()) + " surfaces, " +
-                 std::to_string(table->plans.size()) + " plans, " + megabytes(table->bytes()) + ", " +
-                 peak_text(peak);
+                 std::to_string(table->plans.size()) + " plans, " + megabytes(table->bytes()) +
+                 device_bytes(setup, *table) + ", " + peak_text(peak);
     return built;
+}
+
+/// From the mesh to tables that kernels can read.
+Timing measure_upload(const Setup& setup, const PlanCache* cache) {
+    std::optional<vk::DevicePatchTable> table;
+    return measure(
+        setup.options,
+        [&] {
+            table.emplace(
+                value_or_fail(setup.options, vk::upload_patch_table(*setup.device, build(setup, cache))));
+            return true;
+        },
+        [&] { table.reset(); });
 }
 
 Built measure_osd(const Setup& setup, uint32_t level) {
@@ -171,16 +164,26 @@ void add_row(const Setup& setup, const char* name, const Built& limn, const Buil
                       .note = limn.note + " / " + osd.note});
 }
 
-void bench_model(const Options& options, const BenchModel& model, Report& report) {
-    const Setup setup{options, model, report, OsdMesh(model.mesh), "patch_table/" + model.name + "/"};
+void add_upload_row(const Setup& setup, const char* name, const PlanCache* cache) {
+    if (setup.device == nullptr) return;
+    setup.report.add({.name = setup.prefix + name,
+                      .limn = measure_upload(setup, cache),
+                      .items = static_cast<double>(setup.model.mesh.face_count()),
+                      .note = "built and uploaded"});
+}
+
+void bench_model(const Options& options, const vk::Device* device, const BenchModel& model, Report& report) {
+    const Setup setup{options, device, model, report, OsdMesh(model.mesh), "patch_table/" + model.name + "/"};
     verify(setup);
     const Built osd = measure_osd(setup, kLevel);
     const Built cold = measure_limn(setup, nullptr);
     add_row(setup, "cold", cold, osd);
+    add_upload_row(setup, "cold_upload", nullptr);
     {
         const PlanCache cache;
         build(setup, &cache);
         add_row(setup, "warm", measure_limn(setup, &cache), osd);
+        add_upload_row(setup, "warm_upload", &cache);
     }
     add_row(setup, "cold_peer_level=6", cold, measure_osd(setup, kDeepLevel));
 }
@@ -189,15 +192,23 @@ void bench_model(const Options& options, const BenchModel& model, Report& report
 }  // namespace limn::bench
 
 int main(int argc, char** argv) {
+    using namespace limn;
     using namespace limn::bench;
-    const Options options = parse_options(argc, argv, 0, 0);
+    const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
     const std::vector<BenchModel> models = load_models(options);
+    const auto context = vk::Context::create({.device_index = options.device_index, .validation = false});
+    // Only uploads need a device; one that is asked for must be there.
+    const bool optional = options.device_index == vk::kAutomaticDevice;
+    if (!context && !(optional && context.error().code == ErrorCode::no_device))
+        fail(options, context.error());
+    const vk::Device* const device = context ? &context->device() : nullptr;
     Report report(
         options, "patch_table",
-        {{"peer", "OpenSubdiv Far, which uses one thread, at isolation level 3 (cold_peer_level=6: at 6)"},
+        {{"device", device != nullptr ? device_description(*device) : "n/a: " + context.error().message},
+         {"peer", "OpenSubdiv Far, which uses one thread, at isolation level 3 (cold_peer_level=6: at 6)"},
          {"warm", "limn with a cache that holds the plans"}},
         "faces");
-    for (const BenchModel& model : models) bench_model(options, model, report);
+    for (const BenchModel& model : models) bench_model(options, device, model, report);
     value_or_fail(options, report.finish());
     return 0;
 }
