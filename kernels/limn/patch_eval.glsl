@@ -17,6 +17,7 @@ vec4 deep_ring[kMaxRing];
 vec4 next_ring[kMaxRing];
 bool is_deep = false;
 uint surface_ring;
+vec4 surface_origin;
 
 struct PlanWords {
     uint ring_size, first_weight, first_node, first_point, has_corner_rows;
@@ -26,12 +27,16 @@ PlanWords read_plan(uint plan) {
     return PlanWords(WORD(at), WORD(at + 2), WORD(at + 3), WORD(at + 4), WORD(at + 5));
 }
 
-vec4 ring_point(uint j) {
-    if (is_deep) return deep_ring[j];
+vec4 surface_point(uint j) {
     const uint i = surface_ring + j, word = WORD(params.table.ring_points + (kNarrow != 0 ? i / 2 : i));
     const uint at = params.point_base + (kNarrow != 0 ? narrow_index(word, i) : word) * params.point_stride;
     return vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0,
                 kWidth > 3 ? POINT(at + 3) : 0);
+}
+
+// Relative to the first point, which matters where meshes lie far out: what derivatives are made of are differences.
+vec4 ring_point(uint j) {
+    return is_deep ? deep_ring[j] : surface_point(j) - surface_origin;
 }
 
 uint row_group(PlanWords plan, uint row) {
@@ -98,7 +103,8 @@ void take_corner(PlanWords plan, inout PatchLocation at, inout vec4 sums[6]) {
 
 void evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
     for (uint d = 0; d < 6; ++d) sums[d] = vec4(0);
-    vec4 origin = vec4(0);
+    surface_origin = surface_point(0);
+    vec4 origin = surface_origin;
     uint depth = 0;
     // Every second round descends; the bound only says that this ends.
     for (uint round = 0; round <= 2 * kPatchMostDepth + 32; ++round) {

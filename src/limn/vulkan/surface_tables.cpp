@@ -118,11 +118,10 @@ void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, 
     words.resize(end, 0);
 }
 
-/// Large tiles load weights less often; small ones waste less where few surfaces are alike.
-uint32_t choose_tile(size_t surface_count) {
-    return surface_count >= shared::kGridMaxTileSurfaces ? shared::kGridMaxTileSurfaces
-           : surface_count > 2                           ? 4
-                                                         : 1;
+/// Large tiles load weights less often; small ones waste less where few surfaces are alike. One size for all
+/// of a class: on CPU devices a dispatch costs as much as some hundred samples.
+uint32_t choose_tile(size_t class_size) {
+    return class_size >= shared::kGridMaxTileSurfaces ? shared::kGridMaxTileSurfaces : class_size > 2 ? 4 : 1;
 }
 
 /// Group count, sample count, corners and surfaces per tile of a batch, and its tiles.
@@ -130,12 +129,10 @@ using Batches = std::map<std::array<uint32_t, 4>, std::vector<std::span<const Gr
 
 /// Cuts the surfaces of one class into tiles.
 void add_tiles(const GridClass& c, std::span<const GridSurface> surfaces, Batches& batches) {
-    while (!surfaces.empty()) {
-        const uint32_t capacity = choose_tile(surfaces.size());
-        const size_t count = std::min<size_t>(capacity, surfaces.size());
-        batches[{c.group_count, c.sample_count, c.corners, capacity}].push_back(surfaces.first(count));
-        surfaces = surfaces.subspan(count);
-    }
+    const uint32_t capacity = choose_tile(surfaces.size());
+    auto& tiles = batches[{c.group_count, c.sample_count, c.corners, capacity}];
+    for (size_t i = 0; i < surfaces.size(); i += capacity)
+        tiles.push_back(surfaces.subspan(i, std::min<size_t>(capacity, surfaces.size() - i)));
 }
 
 /// Tiles of each pass: those that one dispatch can take follow each other.
