@@ -74,8 +74,10 @@ vec3 normal_of(vec3 du, vec3 dv, vec3 otherwise) {
     return normalize(dot(n, n) > 1e-13 ? n : otherwise);
 }
 
+// Values are relative to `origin`, the surface's first ring point, which matters where meshes lie far out.
 struct Sums {
     vec4 values[3];
+    vec4 origin;
     vec3 otherwise;
 };
 
@@ -83,16 +85,16 @@ void store(uint t, uint placement, uint out_sample, Sums sums) {
     const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
     const uint value_at = params.value_base + s * params.value_stride;
     const uint second_at = params.second_base + s * params.second_stride;
+    const vec4 value = sums.values[0] + sums.origin;
     vec3 n;
     if (kOutput == kGridOutputNormal) n = normal_of(sums.values[1].xyz, sums.values[2].xyz, sums.otherwise);
     if (kPaired != 0) {
-        const vec3 p = sums.values[0].xyz;
-        value_pairs[value_at / 2] = p.xy;
-        value_pairs[value_at / 2 + 1] = vec2(p.z, n.x);
+        value_pairs[value_at / 2] = value.xy;
+        value_pairs[value_at / 2 + 1] = vec2(value.z, n.x);
         value_pairs[value_at / 2 + 2] = n.yz;
         return;
     }
-    for (uint c = 0; c < kWidth; ++c) values[value_at + c] = sums.values[0][c];
+    for (uint c = 0; c < kWidth; ++c) values[value_at + c] = value[c];
     if (kOutput == kGridOutputNormal) {
         for (uint c = 0; c < 3; ++c) second[second_at + c] = n[c];
     }
@@ -114,10 +116,11 @@ void add_ring(uint tile, uint surface_count, uint ring_size, uint first, uint we
     vec4 weights[kMaxGroups * 3];
     [[unroll]] for (uint i = 0; i < kGroups * kValueCount; ++i) weights[i] = WEIGHTS(weight + i * params.sample_count);
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
+        if (first == 0) sums[t].origin = ring_point(t, 0);
         if (kOutput == kGridOutputNormal && first == 0) sums[t].otherwise = scaled(corner_normal(t));
         [[unroll]] for (uint g = 0; g < kGroups; ++g)
             [[unroll]] for (uint c = 0; c < 4; ++c) {
-                const vec4 point = ring_point(t, 4 * g + c);
+                const vec4 point = ring_point(t, 4 * g + c) - sums[t].origin;
                 [[unroll]] for (uint k = 0; k < kValueCount; ++k)
                     sums[t].values[k] += weights[g * kValueCount + k][c] * point;
             }
@@ -140,6 +143,7 @@ void main() {
     Sums sums[kSurfaces];
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         for (uint k = 0; k < 3; ++k) sums[t].values[k] = vec4(0);
+        sums[t].origin = vec4(0);
         sums[t].otherwise = vec3(0, 0, 1);
     }
     if (kLoads == 1) {
