@@ -1,36 +1,33 @@
-// The README's example, run: a cube refined three times on the device, its points read back and looked at.
+// The README's example, run: the limit surface of a cube, read back and looked at.
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 // [readme]
-#include <limn/refinement.h>
-#include <limn/stencil_table.h>
-#include <limn/vulkan/evaluator.h>
+#include <limn/vulkan/surface_evaluator.h>
 
-// Once per topology: what each refined point is made of.
-limn::Result<std::vector<limn::StencilTable>> build_tables(const limn::ControlMeshDescription& description) {
+// Once per topology: the surface, and what 9 x 9 samples of each face weigh. Thread-safe, on the CPU only.
+struct Tables {
+    limn::PatchTable patches;
+    limn::GridTable grid;
+};
+limn::Result<Tables> build_tables(const limn::ControlMeshDescription& description) {
     const auto mesh = limn::ControlMesh::create(description);
     if (!mesh) return mesh.error();
-    const auto refinement = limn::build_refinement(*mesh, {.level = 3});
-    if (!refinement) return refinement.error();
-    std::vector<limn::StencilTable> tables;
-    for (uint32_t level = 1; level < refinement->level_count(); ++level) {
-        auto table = limn::build_step_table<float>(*refinement, level);
-        if (!table) return table.error();
-        tables.push_back(std::move(*table));
-    }
-    return tables;  // the faces are in refinement->last().face_vertices
+    auto patches = limn::build_patch_table<float>(*mesh, {});
+    if (!patches) return patches.error();
+    auto grid = limn::build_grid_table(*patches, {.rate = 8});
+    if (!grid) return grid.error();
+    return Tables{std::move(*patches), std::move(*grid)};
 }
 
-// Every frame, in your command buffer, on your buffers: points[0] are the control points, points[3] the
-// result.
-void record_refinement(const limn::vk::Device& device, VkCommandBuffer commands,
-                       const std::vector<limn::vk::StencilEvaluation>& steps) {
-    for (const limn::vk::StencilEvaluation& step : steps) {
-        step.record(commands);
-        limn::vk::record_barrier(device, commands, limn::vk::kKernelWrites, limn::vk::kKernelReads);
-    }
+// Every frame, in your command buffer, on your buffers. `points` reads the control points and makes the few
+// points that faces share; `grid` writes vertices: position and normal, 24 bytes each.
+void record_surface(const limn::vk::Device& device, VkCommandBuffer commands,
+                    const limn::vk::StencilEvaluation& points, const limn::vk::SurfaceEvaluation& grid) {
+    points.record(commands);
+    limn::vk::record_barrier(device, commands, limn::vk::kKernelWrites, limn::vk::kKernelReads);
+    grid.record(commands);  // owed: a barrier from kKernelWrites to whatever reads the vertices
 }
 // [/readme]
 
@@ -55,42 +52,49 @@ int main() {
     const auto context = vk::Context::create();
     if (!context) return fail(context.error());
     const vk::Device& device = context->device();
-    const auto evaluator = vk::Evaluator::create(device);
+    const auto evaluator = vk::SurfaceEvaluator::create(device);
     if (!evaluator) return fail(evaluator.error());
+    const auto patches = vk::upload_patch_table(device, tables->patches);
+    if (!patches) return fail(patches.error());
+    const auto grid = vk::upload_grid_table(device, tables->grid);
+    if (!grid) return fail(grid.error());
 
-    std::vector<vk::DeviceStencilTable> device_tables;
-    std::vector<vk::Buffer> points;
-    std::vector<vk::StencilEvaluation> steps;
-    device_tables.reserve(tables->size());
-    auto control = vk::create_point_buffer(device, kCube);
-    if (!control) return fail(control.error());
-    points.push_back(std::move(*control));
-    for (const limn::StencilTable& table : *tables) {
-        auto uploaded = vk::upload_stencil_table(device, table);
-        if (!uploaded) return fail(uploaded.error());
-        device_tables.push_back(std::move(*uploaded));
-        auto out = vk::create_buffer(device, table.row_count() * 12, vk::kPointUsage, vk::MemoryUse::device);
-        if (!out) return fail(out.error());
-        auto step = evaluator->prepare({.table = &device_tables.back(),
-                                        .source = {.buffer = points.back().handle},
-                                        .destination = {.buffer = out->handle}});
-        if (!step) return fail(step.error());
-        steps.push_back(std::move(*step));
-        points.push_back(std::move(*out));
-    }
+    // Control points, and room for the level-1 points behind them.
+    const auto points = vk::create_buffer(device, VkDeviceSize{12} * patches->point_count, vk::kPointUsage,
+                                          vk::MemoryUse::device);
+    if (!points) return fail(points.error());
+    if (auto ok = vk::upload_bytes(device, *points, 0, std::as_bytes(std::span(kCube))); !ok)
+        return fail(ok.error());
+    const auto vertices =
+        vk::create_buffer(device, 24 * grid->sample_count(), vk::kPointUsage, vk::MemoryUse::device);
+    if (!vertices) return fail(vertices.error());
+    const auto level1 =
+        evaluator->prepare_points({.patches = &*patches, .points = {.buffer = points->handle}});
+    if (!level1) return fail(level1.error());
+    const auto samples =
+        evaluator->prepare_grid({.patches = &*patches,
+                                 .grid = &*grid,
+                                 .points = {.buffer = points->handle},
+                                 .values = {.buffer = vertices->handle, .stride = 6},
+                                 .normals = {.buffer = vertices->handle, .first = 3, .stride = 6}});
+    if (!samples) return fail(samples.error());
+
     auto commands = vk::Commands::begin(device);
     if (!commands) return fail(commands.error());
-    record_refinement(device, *commands, steps);
+    record_surface(device, *commands, *level1, *samples);
+    record_barrier(device, *commands, vk::kKernelWrites, vk::kCopyReads);
     if (auto done = commands->submit_and_wait(); !done) return fail(done.error());
-    const uint32_t count = tables->back().row_count();
-    const auto refined = vk::download<float>(device, points.back(), size_t{3} * count);
-    if (!refined) return fail(refined.error());
+    const size_t count = grid->sample_count();
+    const auto out = vk::download<float>(device, *vertices, 6 * count);
+    if (!out) return fail(out.error());
 
-    // The first face point of a cube refined three times lies on its axis, at the height that the rules give.
-    const float* face_point = refined->data() + size_t{3} * 8;
-    std::printf("%u points on %s; first face point %g %g %g\n", count, device.name(), double(face_point[0]),
-                double(face_point[1]), double(face_point[2]));
-    const bool right = count == 386 && std::abs(face_point[0]) < 1e-6f && std::abs(face_point[1]) < 1e-6f &&
-                       face_point[2] > 0.5f && face_point[2] < 1.0f;
+    // The middle of the first face of a cube lies on its axis, at the height that the rules give, and looks
+    // along it.
+    const float* middle = out->data() + size_t{6} * (4 * 9 + 4);
+    std::printf("%zu vertices on %s; the first face's middle: %g %g %g, normal %g %g %g\n", count,
+                device.name(), double(middle[0]), double(middle[1]), double(middle[2]), double(middle[3]),
+                double(middle[4]), double(middle[5]));
+    const bool right = count == 486 && std::abs(middle[0]) < 1e-6f && std::abs(middle[1]) < 1e-6f &&
+                       middle[2] > 0.5f && middle[2] < 1.0f && std::abs(middle[5] - 1) < 1e-6f;
     return right ? 0 : 1;
 }

@@ -3,12 +3,12 @@
 #include "limn/patch_table.h"
 
 #include <algorithm>
-#include <bit>
 #include <unordered_map>
 
 #include "limn/parallel.h"
 #include "limn/patch_points.h"
-#include "limn/plan.h"
+#include "limn/plan_set.h"
+#include "limn/refined_points.h"
 #include "limn/topology_build.h"
 
 namespace limn {
@@ -218,140 +218,6 @@ struct PlanCopy {
     }
 };
 
-IndexList pack(const std::vector<uint32_t>& indices, uint32_t bound) {
-    IndexList list;
-    list.narrow = bound <= 0x10000;
-    if (!list.narrow) {
-        list.words.allocate(indices.size());
-        std::copy(indices.begin(), indices.end(), list.words.begin());
-        return list;
-    }
-    list.words.assign((indices.size() + 1) / 2, 0);
-    for (size_t i = 0; i < indices.size(); ++i) list.words[i / 2] |= indices[i] << (16 * (i & 1));
-    return list;
-}
-
-/// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of.
-template <class Real>
-class PointBuilder {
-  public:
-    PointBuilder(const Builder& b, const Refinement& source, BasicPatchTable<Real>& table)
-        : b_(b), source_(source), table_(table) {}
-
-    /// point_of_child[v] is not kInvalidIndex where v is needed, and receives its point.
-    void build(std::vector<uint32_t>& point_of_child) {
-        std::vector<uint32_t> needed;
-        for (uint32_t v = 0; v < point_of_child.size(); ++v)
-            if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
-        table_.first_refined = needed.empty() ? table_.control_count : (table_.control_count + 63) & ~63u;
-        make_rows(needed);
-        group_rows();
-        std::vector<uint32_t> cursor, indices(indices_.size());
-        for (const PointRun& run : runs_) cursor.push_back(run.first_point);
-        for (size_t i = 0; i < needed.size(); ++i) {
-            const PointRun& run = runs_[patterns_[i]];
-            const uint32_t point = cursor[patterns_[i]]++;
-            point_of_child[needed[i]] = point;
-            std::copy_n(indices_.begin() + static_cast<ptrdiff_t>(offsets_[i]), run.entry_count,
-                        indices.begin() + run.first_index +
-                            static_cast<ptrdiff_t>(point - run.first_point) * run.entry_count);
-        }
-        table_.refined_count = static_cast<uint32_t>(needed.size());
-        table_.point_indices = pack(indices, table_.control_count);
-        table_.point_runs.allocate(runs_.size());
-        std::copy(runs_.begin(), runs_.end(), table_.point_runs.begin());
-        table_.point_weights.allocate(run_weights_.size());
-        std::copy(run_weights_.begin(), run_weights_.end(), table_.point_weights.begin());
-    }
-
-  private:
-    void make_rows(const std::vector<uint32_t>& needed) {
-        const Interpolation rules = b_.options.linear ? Interpolation::varying : Interpolation::vertex;
-        constexpr size_t kRowChunk = 512;
-        struct Chunk {
-            std::vector<uint32_t> sizes, indices;
-            std::vector<Real> weights;
-        };
-        std::vector<Chunk> chunks((needed.size() + kRowChunk - 1) / kRowChunk);
-        for_each_index(
-            static_cast<uint32_t>(chunks.size()),
-            [&](uint32_t n) {
-                Chunk& chunk = chunks[n];
-                Row row;
-                for (size_t i = n * kRowChunk; i < std::min(needed.size(), (n + 1) * kRowChunk); ++i) {
-                    row.clear();
-                    refinement_row(b_.base, needed[i], rules, row);
-                    chunk.sizes.push_back(append(row, chunk.indices, chunk.weights));
-                }
-            },
-            1);
-        offsets_.push_back(0);
-        for (const Chunk& chunk : chunks) {
-            for (const uint32_t size : chunk.sizes) offsets_.push_back(offsets_.back() + size);
-            indices_.insert(indices_.end(), chunk.indices.begin(), chunk.indices.end());
-            weights_.insert(weights_.end(), chunk.weights.begin(), chunk.weights.end());
-        }
-    }
-
-    /// Adds up what a row says of the same control point.
-    uint32_t append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
-        const size_t begin = indices.size();
-        for (const RowEntry& e : row) {
-            const uint32_t index =
-                source_.control_indices.empty() ? e.index : source_.control_indices[e.index];
-            size_t at = begin;
-            while (at < indices.size() && indices[at] != index) ++at;
-            if (at == indices.size()) {
-                indices.push_back(index);
-                weights.push_back(0);
-            }
-            weights[at] += static_cast<Real>(e.weight);
-        }
-        return static_cast<uint32_t>(indices.size() - begin);
-    }
-
-    void group_rows() {
-        std::unordered_multimap<uint64_t, uint32_t> runs_by_hash;
-        for (size_t i = 0; i + 1 < offsets_.size(); ++i) {
-            const Real* weights = weights_.data() + offsets_[i];
-            const auto count = static_cast<uint32_t>(offsets_[i + 1] - offsets_[i]);
-            uint64_t hash = count;
-            for (uint32_t k = 0; k < count; ++k) {
-                const auto w = static_cast<double>(weights[k]);
-                hash = (hash ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
-            }
-            const auto [begin, end] = runs_by_hash.equal_range(hash);
-            auto at = std::find_if(begin, end, [&](const auto& entry) {
-                const PointRun& run = runs_[entry.second];
-                return run.entry_count == count &&
-                       std::equal(weights, weights + count, run_weights_.begin() + run.first_weight);
-            });
-            if (at == end) {
-                at = runs_by_hash.emplace(hash, static_cast<uint32_t>(runs_.size()));
-                runs_.push_back({0, 0, count, 0, static_cast<uint32_t>(run_weights_.size())});
-                run_weights_.insert(run_weights_.end(), weights, weights + count);
-            }
-            ++runs_[at->second].row_count;
-            patterns_.push_back(at->second);
-        }
-        uint32_t point = table_.first_refined, index = 0;
-        for (PointRun& run : runs_) {
-            run.first_point = point;
-            run.first_index = index;
-            point += run.row_count;
-            index += run.row_count * run.entry_count;
-        }
-    }
-
-    const Builder& b_;
-    const Refinement& source_;
-    BasicPatchTable<Real>& table_;
-    std::vector<size_t> offsets_;
-    std::vector<uint32_t> indices_, patterns_;
-    std::vector<Real> weights_, run_weights_;
-    std::vector<PointRun> runs_;
-};
-
 template <class Real>
 Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<Real>& table) {
     uint64_t ring_count = 0, children = 0;
@@ -366,7 +232,7 @@ Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<R
     });
     if (ring_count > kInvalidIndex || children + table.control_count + 64 > kInvalidIndex)
         return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
-    PointBuilder<Real>(b, source, table).build(point_of_child);
+    build_refined_points<Real>(b.base, b.options.linear, source.control_indices, point_of_child, table);
     std::vector<uint32_t> points;
     points.reserve(ring_count);
     b.for_each_ring([&](const Candidate& c, std::span<const uint32_t> ring) {
@@ -375,7 +241,7 @@ Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<R
                              : !source.control_indices.empty() ? source.control_indices[v]
                                                                : v);
     });
-    table.ring_points = pack(points, table.point_count());
+    table.ring_points = pack_indices(points, table.point_count());
     return {};
 }
 
@@ -444,30 +310,6 @@ Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& 
     return build<Real>(*refinement, options, cache);
 }
 
-template <class Real>
-BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
-    BasicStencilTable<Real> out;
-    out.source_count = table.control_count;
-    Array<uint32_t> counts;
-    counts.allocate(table.refined_count);
-    uint64_t entries = 0;
-    for (const PointRun& run : table.point_runs) {
-        std::fill_n(counts.begin() + (run.first_point - table.first_refined), run.row_count, run.entry_count);
-        entries += uint64_t{run.row_count} * run.entry_count;
-    }
-    out.offsets = offsets_from_counts(counts);
-    out.indices.allocate(entries);
-    out.weights.allocate(entries);
-    size_t at = 0;
-    for (const PointRun& run : table.point_runs)
-        for (uint32_t i = 0; i < run.row_count; ++i)
-            for (uint32_t k = 0; k < run.entry_count; ++k, ++at) {
-                out.indices[at] = table.point_indices[run.first_index + size_t{i} * run.entry_count + k];
-                out.weights[at] = table.point_weights[run.first_weight + k];
-            }
-    return out;
-}
-
 template Result<PatchTable> build_patch_table<float>(const ControlMesh&, const PatchTableOptions&,
                                                      const PlanCache*);
 template Result<PatchTableDouble> build_patch_table<double>(const ControlMesh&, const PatchTableOptions&,
@@ -477,7 +319,5 @@ template Result<PatchTable> build_face_varying_patch_table<float>(const ControlM
 template Result<PatchTableDouble> build_face_varying_patch_table<double>(const ControlMesh&, uint32_t,
                                                                          const PatchTableOptions&,
                                                                          const PlanCache*);
-template StencilTable build_point_table<float>(const PatchTable&);
-template StencilTableDouble build_point_table<double>(const PatchTableDouble&);
 
 }  // namespace limn

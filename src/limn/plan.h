@@ -1,7 +1,8 @@
 // Plans: the surface over one face as a function of the points around it. Not part of the public interface.
 #pragma once
 
-#include <mutex>
+#include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -29,12 +30,6 @@ struct PlanKeyHash {
     size_t operator()(const PlanKey& key) const { return hash_signature(key)[0]; }
 };
 
-struct PlanCache::Impl {
-    std::mutex mutex;
-    std::unordered_map<PlanKey, std::unique_ptr<BuiltPlan>, PlanKeyHash> plans;
-    uint64_t bytes = 0;
-};
-
 struct PlanOptions {
     bool linear;
     EndCap end_cap;
@@ -59,46 +54,18 @@ PlanRequest request_regular_plan(const SchemeOptions& options, bool linear);
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options);
 PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key);
 
-/// Plans of one build: taken from the cache or, where missing, built on all cores.
-class PlanSet {
-  public:
-    PlanSet(const PlanOptions& options, PlanCache::Impl& cache) : options_(options), cache_(cache) {}
-
-    /// The number of the plan of this key; `make_request` is called where it is not known yet.
-    template <class MakeRequest>
-    uint32_t find_or_request(const PlanKey& key, const MakeRequest& make_request) {
-        const auto [at, is_new] = numbers_.try_emplace(key, static_cast<uint32_t>(entries_.size()));
-        if (is_new) {
-            entries_.push_back({&at->first, find_cached(key), nullptr, {}});
-            if (entries_.back().plan == nullptr) requests_.push_back({at->second, make_request()});
-        }
-        return at->second;
-    }
-
-    /// Builds what was requested, and what that refers to; then hands all to the cache. After it plan()
-    /// holds.
-    Result<void> build();
-    const BuiltPlan* plan(uint32_t number) const { return entries_[number].plan; }
-
-  private:
-    struct Entry {
-        const PlanKey* key;
-        const BuiltPlan* plan;             ///< in the cache, or `built`
-        std::unique_ptr<BuiltPlan> built;  ///< not yet in the cache
-        std::vector<uint32_t> references;  ///< numbers
-    };
-    struct Request {
-        uint32_t number;
-        PlanRequest request;
-    };
-    const BuiltPlan* find_cached(const PlanKey& key) const;
-    void keep_in_cache();
-
-    PlanOptions options_;
-    PlanCache::Impl& cache_;
-    std::unordered_map<PlanKey, uint32_t, PlanKeyHash> numbers_;
-    std::vector<Entry> entries_;
-    std::vector<Request> requests_;
+/// A plan that a new one refers to, and how to build it unless it is known.
+struct PlanReference {
+    PlanKey key;
+    std::optional<PlanRequest> request;
 };
+struct NewPlan {
+    std::unique_ptr<BuiltPlan> plan = std::make_unique<BuiltPlan>();
+    std::vector<PlanReference> references;
+};
+using KnownPlans = std::unordered_map<PlanKey, uint32_t, PlanKeyHash>;
+
+/// Builds a plan. What it refers to and is not known comes with a request.
+NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known);
 
 }  // namespace limn

@@ -118,10 +118,10 @@ void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, 
     words.resize(end, 0);
 }
 
-/// Large tiles load weights less often; small ones waste less where few surfaces are alike. One size for all
-/// of a class: on CPU devices a dispatch costs as much as some hundred samples.
+/// Large tiles load weights less often; small ones waste less where few surfaces are alike. Two sizes only, and
+/// one for all of a class: on CPU devices a dispatch costs as much as some thousand samples.
 uint32_t choose_tile(size_t class_size) {
-    return class_size >= shared::kGridMaxTileSurfaces ? shared::kGridMaxTileSurfaces : class_size > 2 ? 4 : 1;
+    return class_size >= 4 ? shared::kGridMaxTileSurfaces : 1;
 }
 
 /// Group count, sample count, corners and surfaces per tile of a batch, and its tiles.

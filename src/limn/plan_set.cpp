@@ -1,0 +1,74 @@
+#include "limn/plan_set.h"
+
+#include "limn/parallel.h"
+
+namespace limn {
+
+const BuiltPlan* PlanSet::find_cached(const PlanKey& key) const {
+    const std::lock_guard lock(cache_.mutex);
+    const auto at = cache_.plans.find(key);
+    return at == cache_.plans.end() ? nullptr : at->second.get();
+}
+
+Result<void> PlanSet::build() {
+    while (!requests_.empty()) {
+        const std::vector<Request> batch = std::exchange(requests_, {});
+        for (const Request& r : batch)
+            if (r.request.ring_size > kMaxRingSize)
+                return Error{ErrorCode::unsupported, "more than " + std::to_string(kMaxRingSize) +
+                                                         " points lie around one face of the surface"};
+        std::vector<NewPlan> built(batch.size());
+        for_each_index(
+            static_cast<uint32_t>(batch.size()),
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_); }, 1);
+        // In their order, so that numbers do not depend on threads.
+        for (size_t i = 0; i < batch.size(); ++i) {
+            std::vector<uint32_t> references;
+            for (PlanReference& r : built[i].references)
+                references.push_back(find_or_request(r.key, [&] { return std::move(*r.request); }));
+            Entry& entry = entries_[batch[i].number];
+            entry.built = std::move(built[i].plan);
+            entry.plan = entry.built.get();
+            entry.references = std::move(references);
+        }
+    }
+    keep_in_cache();
+    return {};
+}
+
+/// Another build may have put a plan there since it was looked for: then that one is taken.
+void PlanSet::keep_in_cache() {
+    const std::lock_guard lock(cache_.mutex);
+    std::vector<std::pair<BuiltPlan*, const std::vector<uint32_t>*>> kept;
+    for (Entry& entry : entries_) {
+        if (entry.built == nullptr) continue;
+        const auto [at, is_new] = cache_.plans.try_emplace(*entry.key, nullptr);
+        if (is_new) {
+            at->second = std::move(entry.built);
+            kept.emplace_back(at->second.get(), &entry.references);
+            const BuiltPlan& plan = *at->second;
+            cache_.bytes += entry.key->size() * sizeof(uint32_t) + plan.weights.size() * sizeof(double) +
+                            plan.nodes.size() * sizeof(PlanNode) + plan.points.size() * sizeof(uint32_t);
+        }
+        entry.plan = at->second.get();
+    }
+    for (const auto& [plan, references] : kept)
+        for (const uint32_t r : *references) plan->references.push_back(entries_[r].plan);
+}
+
+PlanCache::PlanCache() : impl_(std::make_unique<Impl>()) {}
+PlanCache::~PlanCache() = default;
+PlanCache::PlanCache(PlanCache&&) noexcept = default;
+PlanCache& PlanCache::operator=(PlanCache&&) noexcept = default;
+
+uint32_t PlanCache::size() const {
+    const std::lock_guard lock(impl_->mutex);
+    return static_cast<uint32_t>(impl_->plans.size());
+}
+
+uint64_t PlanCache::bytes() const {
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->bytes;
+}
+
+}  // namespace limn

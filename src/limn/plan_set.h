@@ -1,0 +1,58 @@
+// The plans that a patch table needs: taken from a cache, or built. Not part of the public interface.
+#pragma once
+
+#include <mutex>
+
+#include "limn/plan.h"
+
+namespace limn {
+
+struct PlanCache::Impl {
+    std::mutex mutex;
+    std::unordered_map<PlanKey, std::unique_ptr<BuiltPlan>, PlanKeyHash> plans;
+    uint64_t bytes = 0;
+};
+
+/// Plans of one build: taken from the cache or, where missing, built on all cores.
+class PlanSet {
+  public:
+    PlanSet(const PlanOptions& options, PlanCache::Impl& cache) : options_(options), cache_(cache) {}
+
+    /// The number of the plan of this key; `make_request` is called where it is not known yet.
+    template <class MakeRequest>
+    uint32_t find_or_request(const PlanKey& key, const MakeRequest& make_request) {
+        const auto [at, is_new] = numbers_.try_emplace(key, static_cast<uint32_t>(entries_.size()));
+        if (is_new) {
+            entries_.push_back({&at->first, find_cached(key), nullptr, {}});
+            if (entries_.back().plan == nullptr) requests_.push_back({at->second, make_request()});
+        }
+        return at->second;
+    }
+
+    /// Builds what was requested, and what that refers to; then hands all to the cache. After it plan()
+    /// holds.
+    Result<void> build();
+    const BuiltPlan* plan(uint32_t number) const { return entries_[number].plan; }
+
+  private:
+    struct Entry {
+        const PlanKey* key;
+        const BuiltPlan* plan;             ///< in the cache, or `built`
+        std::unique_ptr<BuiltPlan> built;  ///< not yet in the cache
+        std::vector<uint32_t> references;  ///< numbers
+    };
+    struct Request {
+        uint32_t number;
+        PlanRequest request;
+    };
+    const BuiltPlan* find_cached(const PlanKey& key) const;
+    void keep_in_cache();
+
+    PlanOptions options_;
+    PlanCache::Impl& cache_;
+    KnownPlans numbers_;
+    std::vector<Entry> entries_;
+    std::vector<Request> requests_;
+};
+
+}  // namespace limn
