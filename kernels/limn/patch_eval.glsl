@@ -10,6 +10,7 @@ layout(constant_id = kPatchEndCapConstant) const uint kEndCap = kEndCapExact;
 
 layout(std430, push_constant) uniform Push { PatchEvalParams params; };
 layout(std430, binding = kPatchResultsBinding) writeonly buffer Results { float results[]; };
+layout(std430, binding = kPatchResultsBinding) writeonly buffer ResultWords { uint result_words[]; };
 layout(std430, binding = kPatchStatusesBinding) writeonly buffer Statuses { uint statuses[]; };
 
 // The ring of the plan that evaluation has got to: points of the surface or, behind references, deep_ring.
@@ -101,38 +102,52 @@ void take_corner(PlanWords plan, inout PatchLocation at, inout vec4 sums[6]) {
     at.vv /= scale;
 }
 
-void evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
+// Moves to the leaf of the plan that `at` is in: which node.
+uint find_node(PlanWords plan, inout PatchLocation at, inout uint depth) {
+    uint node = 0, word = WORD(params.table.plan_nodes + 2 * plan.first_node);
+    while (node_kind(word) <= kNodeSplitV) {
+        const uint first = WORD(params.table.plan_nodes + 2 * (plan.first_node + node) + 1);
+        if (node_kind(word) == kNodeSplit) {
+            node = first + descend_location(at, kTriangles != 0);
+            ++depth;
+        } else {
+            node = first + descend_location_half(at, node_kind(word) == kNodeSplitU);
+        }
+        word = WORD(params.table.plan_nodes + 2 * (plan.first_node + node));
+    }
+    return node;
+}
+
+struct Place {
+    uint plan, node;
+    PatchLocation at;
+};
+
+Place evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
     for (uint d = 0; d < 6; ++d) sums[d] = vec4(0);
-    surface_origin = surface_point(0);
+    if (kValueCount != 0) surface_origin = surface_point(0);
     vec4 origin = surface_origin;
-    uint depth = 0;
+    uint depth = 0, node = 0;
     // Every second round descends; the bound only says that this ends.
     for (uint round = 0; round <= 2 * kPatchMostDepth + 32; ++round) {
         const PlanWords plan = read_plan(plan_index);
+        node = 0;
         if (plan.has_corner_rows != 0 && ((at.u == 0 && at.v == 0) || depth >= kPatchMostDepth)) {
-            take_corner(plan, at, sums);
+            if (kValueCount != 0) take_corner(plan, at, sums);
             break;
         }
-        uint node = plan.first_node, word = WORD(params.table.plan_nodes + 2 * node);
-        while (node_kind(word) <= kNodeSplitV) {
-            const uint first = plan.first_node + WORD(params.table.plan_nodes + 2 * node + 1);
-            if (node_kind(word) == kNodeSplit) {
-                node = first + descend_location(at, kTriangles != 0);
-                ++depth;
-            } else {
-                node = first + descend_location_half(at, node_kind(word) == kNodeSplitU);
-            }
-            word = WORD(params.table.plan_nodes + 2 * node);
-        }
-        const uint first_row = WORD(params.table.plan_nodes + 2 * node + 1);
+        node = find_node(plan, at, depth);
+        const uint word = WORD(params.table.plan_nodes + 2 * (plan.first_node + node));
+        const uint first_row = WORD(params.table.plan_nodes + 2 * (plan.first_node + node) + 1);
         if (node_kind(word) != kNodePlan) {
-            sum_patch(plan, node_kind(word), first_row, at, sums);
+            if (kValueCount != 0) sum_patch(plan, node_kind(word), first_row, at, sums);
             break;
         }
         rotate_location(at, node_rotation(word), kTriangles != 0);
         plan_index = node_plan(word);
-        origin += refine_ring(plan, first_row, read_plan(plan_index).ring_size);
+        if (kValueCount != 0) origin += refine_ring(plan, first_row, read_plan(plan_index).ring_size);
     }
+    const Place place = Place(plan_index, node, at);
     sums[0] += origin;
     const vec4 u = sums[1], v = sums[2], uu = sums[3], uv = sums[4], vv = sums[5];
     sums[1] = u * at.uu + v * at.vu;
@@ -140,6 +155,7 @@ void evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
     sums[3] = uu * (at.uu * at.uu) + uv * (2 * at.uu * at.vu) + vv * (at.vu * at.vu);
     sums[4] = uu * (at.uu * at.uv) + uv * (at.uu * at.vv + at.uv * at.vu) + vv * (at.vu * at.vv);
     sums[5] = uu * (at.uv * at.uv) + uv * (2 * at.uv * at.vv) + vv * (at.vv * at.vv);
+    return place;
 }
 
 void main() {
@@ -156,15 +172,19 @@ void main() {
         status = surface == kPtexHole ? kSampleHole : kSampleValid;
     }
     vec4 sums[6] = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
+    uint words_of_place[5] = uint[5](0, 0, 0, 0, 0);
     if (status == kSampleValid) {
         PatchLocation at = make_location(u, v);
         if ((surface & kPtexSplit) != 0) surface = (surface & ~kPtexSplit) + descend_location(at, kTriangles != 0);
         const uint word = WORD(params.table.surfaces + 2 * surface);
         surface_ring = WORD(params.table.surfaces + 2 * surface + 1);
         rotate_location(at, surface_rotation(word), kTriangles != 0);
-        evaluate(surface_plan(word), at, sums);
+        const Place place = evaluate(surface_plan(word), at, sums);
+        words_of_place = uint[5](surface, place.plan, place.node, floatBitsToUint(place.at.u), floatBitsToUint(place.at.v));
     }
     const uint result = params.result_base + s * params.result_stride;
+    if (kValueCount == 0)
+        for (uint k = 0; k < 5; ++k) result_words[result + k] = words_of_place[k];
     for (uint d = 0; d < kValueCount; ++d)
         for (uint c = 0; c < kWidth; ++c) results[result + d * kWidth + c] = sums[d][c];
     if (params.status_base != kPatchNoStatus) statuses[params.status_base + s] = status;

@@ -8,21 +8,33 @@
 namespace limn {
 namespace {
 
+/// The surface of a sample, and the coordinates of its plan.
 template <class Real>
-SampleStatus evaluate_sample(const PatchEvaluator<Real>& evaluator, const PatchSample& s,
-                             std::span<const double> points, PatchScratch& scratch) {
+SampleStatus find_surface(const PatchEvaluator<Real>& evaluator, const PatchSample& s,
+                          uint32_t& surface_index, shared::PatchLocation& at) {
     const BasicPatchTable<Real>& table = evaluator.table;
     if (s.face >= table.ptex_surfaces.size() || !(s.u >= 0 && s.u <= 1 && s.v >= 0 && s.v <= 1) ||
         (evaluator.triangles && s.u + s.v > 1 + 1e-12))
         return SampleStatus::out_of_range;
-    uint32_t surface_index = table.ptex_surfaces[s.face];
+    surface_index = table.ptex_surfaces[s.face];
     if (surface_index == shared::kPtexHole) return SampleStatus::hole;
-    shared::PatchLocation at = shared::make_location(s.u, s.v);
+    at = shared::make_location(s.u, s.v);
     if ((surface_index & shared::kPtexSplit) != 0)
         surface_index =
             (surface_index & ~shared::kPtexSplit) + shared::descend_location(at, evaluator.triangles);
+    shared::rotate_location(at, table.surfaces[surface_index].rotation(), evaluator.triangles);
+    return SampleStatus::valid;
+}
+
+template <class Real>
+SampleStatus evaluate_sample(const PatchEvaluator<Real>& evaluator, const PatchSample& s,
+                             std::span<const double> points, PatchScratch& scratch) {
+    const BasicPatchTable<Real>& table = evaluator.table;
+    uint32_t surface_index = 0;
+    shared::PatchLocation at = {};
+    const SampleStatus status = find_surface(evaluator, s, surface_index, at);
+    if (status != SampleStatus::valid) return status;
     const Surface& surface = table.surfaces[surface_index];
-    shared::rotate_location(at, surface.rotation(), evaluator.triangles);
     const uint32_t ring_size = table.plans[surface.plan()].ring_size;
     const size_t width = evaluator.width;
     scratch.ring.resize(ring_size * width);
@@ -77,6 +89,27 @@ void evaluate_patches(const BasicPatchTable<Real>& table, std::span<const PatchS
                       });
 }
 
+template <class Real>
+void locate_patches(const BasicPatchTable<Real>& table, std::span<const PatchSample> samples,
+                    std::span<SurfacePlace> places, std::span<SampleStatus> statuses) {
+    assert(places.size() >= samples.size() && statuses.size() >= samples.size());
+    const PatchEvaluator<Real> evaluator{table, table.options.scheme == Scheme::loop, 0};
+    for (size_t s = 0; s < samples.size(); ++s) {
+        uint32_t surface = 0;
+        shared::PatchLocation at = {};
+        places[s] = {};
+        statuses[s] = find_surface(evaluator, samples[s], surface, at);
+        if (statuses[s] != SampleStatus::valid) continue;
+        const auto leaf = evaluator.find_leaf(table.surfaces[surface].plan(), at,
+                                              [](const Plan&, const uint32_t*, const Plan&) {});
+        places[s] = {surface, leaf.plan, leaf.node, leaf.at.u, leaf.at.v};
+    }
+}
+
+template void locate_patches<float>(const PatchTable&, std::span<const PatchSample>, std::span<SurfacePlace>,
+                                    std::span<SampleStatus>);
+template void locate_patches<double>(const PatchTableDouble&, std::span<const PatchSample>,
+                                     std::span<SurfacePlace>, std::span<SampleStatus>);
 template void build_patch_points<float>(const PatchTable&, std::span<const double>, uint32_t,
                                         std::span<double>);
 template void build_patch_points<double>(const PatchTableDouble&, std::span<const double>, uint32_t,

@@ -41,6 +41,19 @@ void evaluate_patches(const BasicPatchTable<Real>& table, std::span<const PatchS
                       std::span<const double> points, uint32_t width, Derivatives derivatives,
                       std::span<double> results, std::span<SampleStatus> statuses);
 
+/// Where a sample is: the surface, and the node (of the plan's, counted from Plan::first_node) in whose
+/// coordinates it is at (u, v). Exactly at an extraordinary vertex the node is the root of the plan, whose
+/// corner 0 that is.
+struct SurfacePlace {
+    uint32_t surface, plan, node;
+    double u, v;
+};
+
+/// places[s] is that of samples[s], all zero where the status is not valid.
+template <class Real>
+void locate_patches(const BasicPatchTable<Real>& table, std::span<const PatchSample> samples,
+                    std::span<SurfacePlace> places, std::span<SampleStatus> statuses);
+
 /// Control points -> control points and level-1 points: point_count() * width values.
 template <class Real>
 void build_patch_points(const BasicPatchTable<Real>& table, std::span<const double> control_points,

@@ -26,16 +26,21 @@ struct PatchEvaluator {
     /// Where 2^-depth of a surface no longer matters in double.
     static constexpr uint32_t kMostDepth = 40;
 
-    /// `at`: coordinates of the plan. Derivatives are by those that `at` came from.
-    void evaluate(uint32_t plan_index, shared::PatchLocation at, PatchScratch& s) const {
-        s.values.assign(6 * width, 0.0);
-        s.origin.assign(width, 0.0);
+    /// Where evaluation ends: a leaf, or the root where the plan's corner itself is asked for.
+    struct Leaf {
+        uint32_t plan, node;
+        shared::PatchLocation at;
+        bool is_corner;
+    };
+
+    /// `at`: coordinates of the plan. Calls body(plan, rows, next plan) at each reference on the way.
+    template <class Body>
+    Leaf find_leaf(uint32_t plan_index, shared::PatchLocation at, const Body& body) const {
         for (uint32_t depth = 0;;) {
             const Plan& plan = table.plans[plan_index];
             const PlanNode* nodes = table.plan_nodes.data() + plan.first_node;
-            const uint32_t* points = table.plan_points.data() + plan.first_point;
             if (plan.has_corner_rows != 0 && ((at.u == 0 && at.v == 0) || depth >= kMostDepth))
-                return take_corner(plan, at, s);
+                return {plan_index, 0, at, true};
             uint32_t n = 0;
             while (nodes[n].kind() <= PlanNodeKind::split_v) {
                 if (nodes[n].kind() == PlanNodeKind::split) {
@@ -46,12 +51,25 @@ struct PatchEvaluator {
                     n = nodes[n].first + shared::descend_location_half(at, along_u);
                 }
             }
-            const uint32_t* rows = points + nodes[n].first;
-            if (nodes[n].kind() != PlanNodeKind::plan) return take_patch(plan, nodes[n].kind(), rows, at, s);
+            if (nodes[n].kind() != PlanNodeKind::plan) return {plan_index, n, at, false};
             shared::rotate_location(at, nodes[n].rotation(), triangles);
             plan_index = nodes[n].plan();
-            refine_ring(plan, rows, table.plans[plan_index].ring_size, s);
+            body(plan, table.plan_points.data() + plan.first_point + nodes[n].first, table.plans[plan_index]);
         }
+    }
+
+    /// Derivatives are by the coordinates that `at` came from.
+    void evaluate(uint32_t plan_index, shared::PatchLocation at, PatchScratch& s) const {
+        s.values.assign(6 * width, 0.0);
+        s.origin.assign(width, 0.0);
+        const Leaf leaf =
+            find_leaf(plan_index, at, [&](const Plan& plan, const uint32_t* rows, const Plan& next) {
+                refine_ring(plan, rows, next.ring_size, s);
+            });
+        const Plan& plan = table.plans[leaf.plan];
+        if (leaf.is_corner) return take_corner(plan, leaf.at, s);
+        const PlanNode& node = table.plan_nodes[plan.first_node + leaf.node];
+        take_patch(plan, node.kind(), table.plan_points.data() + plan.first_point + node.first, leaf.at, s);
     }
 
   private:

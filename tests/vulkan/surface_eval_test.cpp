@@ -91,18 +91,23 @@ class SurfaceEval : public VulkanTest {
         return buffer;
     }
 
-    struct Samples {
-        std::vector<float> values;
-        std::vector<uint32_t> statuses;
-    };
-    Samples evaluate_on_device(const Surface& s, const std::vector<PatchSample>& samples,
-                               Derivatives derivatives) {
+    Buffer upload_samples(const std::vector<PatchSample>& samples) {
         std::vector<uint32_t> words;
         for (const PatchSample& sample : samples)
             words.insert(words.end(), {sample.face, std::bit_cast<uint32_t>(static_cast<float>(sample.u)),
                                        std::bit_cast<uint32_t>(static_cast<float>(sample.v))});
         Buffer list = *create_buffer(device(), 4 * words.size(), kPointUsage, MemoryUse::device);
         EXPECT_TRUE(upload_bytes(device(), list, 0, std::as_bytes(std::span(words))));
+        return list;
+    }
+
+    struct Samples {
+        std::vector<float> values;
+        std::vector<uint32_t> statuses;
+    };
+    Samples evaluate_on_device(const Surface& s, const std::vector<PatchSample>& samples,
+                               Derivatives derivatives) {
+        const Buffer list = upload_samples(samples);
         const uint32_t record = value_count(derivatives) * s.width;
         Buffer results = create_floats(samples.size() * record), statuses = create_floats(samples.size());
         Result<SurfaceEvaluation> evaluation =
@@ -417,6 +422,41 @@ TEST_F(SurfaceEval, flags_every_sample_that_is_not_on_the_surface) {
         }
 }
 
+TEST_F(SurfaceEval, places_equal_those_on_the_host) {
+    for (TestMesh mesh : {limn::test::make_prism(5), limn::test::make_icosahedron()}) {
+        if (mesh.face_sizes[0] == 3) mesh.options.scheme = Scheme::loop;
+        mesh.holes = {1};
+        const ControlMesh control = control_mesh(mesh);
+        const PatchTable table = *build_patch_table<float>(control, {});
+        const DevicePatchTable device_table = *upload_patch_table(device(), table);
+        std::vector<PatchSample> samples = scattered_samples(table);
+        samples.push_back({~0u, 0, 0});
+        const Buffer list = upload_samples(samples);
+        Buffer places = create_floats(samples.size() * 5), statuses = create_floats(samples.size());
+        const Result<SurfaceEvaluation> evaluation =
+            evaluator_->prepare_locations({.patches = &device_table,
+                                           .samples = {list.handle, 0, static_cast<uint32_t>(samples.size())},
+                                           .places = {.buffer = places.handle, .stride = 5},
+                                           .statuses = {.buffer = statuses.handle, .stride = 1}});
+        ASSERT_TRUE(evaluation) << evaluation.error().message;
+        run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+        const std::vector<uint32_t> out = *download<uint32_t>(device(), places, samples.size() * 5);
+        const std::vector<uint32_t> device_statuses = *download<uint32_t>(device(), statuses, samples.size());
+        std::vector<SurfacePlace> expected(samples.size());
+        std::vector<SampleStatus> expected_statuses(samples.size());
+        locate_patches(table, samples, expected, expected_statuses);
+        for (size_t i = 0; i < samples.size(); ++i) {
+            const SurfacePlace& place = expected[i];
+            EXPECT_EQ(device_statuses[i], static_cast<uint32_t>(expected_statuses[i]));
+            EXPECT_EQ(out[5 * i], place.surface) << i;
+            EXPECT_EQ(out[5 * i + 1], place.plan) << i;
+            EXPECT_EQ(out[5 * i + 2], place.node) << i;
+            EXPECT_NEAR(std::bit_cast<float>(out[5 * i + 3]), place.u, 1e-3) << i;
+            EXPECT_NEAR(std::bit_cast<float>(out[5 * i + 4]), place.v, 1e-3) << i;
+        }
+    }
+}
+
 TEST_F(SurfaceEval, two_runs_give_the_same_bits) {
     const TestMesh mesh = limn::test::make_prism(7);
     const ControlMesh control = control_mesh(mesh);
@@ -500,6 +540,7 @@ TEST_F(SurfaceEval, refuses_what_it_cannot_do) {
     EXPECT_EQ(code(evaluator_->prepare_points({})), kInvalid);
     EXPECT_EQ(code(evaluator_->prepare_grid({})), kInvalid);
     EXPECT_EQ(code(evaluator_->prepare_samples({})), kInvalid);
+    EXPECT_EQ(code(evaluator_->prepare_locations({})), kInvalid);
     GridEvaluationInfo info{.patches = &s.device_table, .grid = &grid, .points = points, .values = points};
     info.normals = points;  // the grid has no derivatives
     EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);

@@ -19,7 +19,7 @@ const uint kPatchBindingCount = 6;
 
 // Specialization constants.
 const uint kPatchWidthConstant = 0;        // components, 1 to 4
-const uint kPatchValueCountConstant = 1;   // 1, 3 or 6: value, du, dv, duu, duv, dvv
+const uint kPatchValueCountConstant = 1;   // 1, 3 or 6: value, du, dv, duu, duv, dvv; 0: places
 const uint kPatchNarrowConstant = 2;       // 1: ring points are 16-bit indices
 const uint kPatchTrianglesConstant = 3;    // 1: Loop
 const uint kPatchMaxRingConstant = 4;      // the largest ring of any plan

@@ -139,6 +139,7 @@ struct SurfaceEvaluator::State {
         }
         return pipeline;
     }
+    Result<SurfaceEvaluation> prepare(const PatchEvaluationInfo& info, uint32_t values);
     void begin(KernelName name, uint32_t push_constant_bytes, Recording& recording) const {
         recording.device = device;
         recording.layout = kernels[name].layout;
@@ -289,31 +290,36 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
 
 namespace {
 
-Result<void> check(const PatchEvaluationInfo& info) {
-    if (auto checked = check(info.patches, info.width, info.points); !checked) return checked;
-    if (auto checked = check_points(info.results, info.width * value_count(info.derivatives)); !checked)
-        return checked;
-    if (info.samples.buffer == VK_NULL_HANDLE) return bad("the buffer of samples is null");
-    if (info.samples.offset_bytes % 4 != 0) return bad("offset_bytes of samples is not a multiple of 4");
-    if (info.statuses.buffer == VK_NULL_HANDLE) return {};
-    if (info.statuses.stride != 1 || info.statuses.offset_bytes % 4 != 0)
+Result<void> check(const SampleBuffer& samples, const PointBuffer& statuses) {
+    if (samples.buffer == VK_NULL_HANDLE) return bad("the buffer of samples is null");
+    if (samples.offset_bytes % 4 != 0) return bad("offset_bytes of samples is not a multiple of 4");
+    if (statuses.buffer == VK_NULL_HANDLE) return {};
+    if (statuses.stride != 1 || statuses.offset_bytes % 4 != 0)
         return bad("statuses have a stride other than 1, or an offset that is not a multiple of 4");
     return {};
 }
 
+/// Of places and of values: `values` for each sample, 0 of places, whose records are as long as `record`.
+struct SampleJob {
+    const PatchEvaluationInfo& info;
+    uint32_t values, record;
+};
+
 /// What samples [first, end) bind.
-std::vector<BoundBuffer> bind_samples(const PatchEvaluationInfo& info, const Reads& reads, uint64_t first,
+std::vector<BoundBuffer> bind_samples(const SampleJob& job, const Reads& reads, uint64_t first,
                                       uint64_t end) {
+    const PatchEvaluationInfo& info = job.info;
     const VkBuffer words = info.patches->words.handle;
     const uint64_t table_bytes = info.patches->words.size_bytes;
     const bool statuses = info.statuses.buffer != VK_NULL_HANDLE;
-    const uint32_t width = info.width * value_count(info.derivatives);
     const BoundBuffer results = reads.write(info.results.buffer, byte_of(info.results, first, 0),
-                                            byte_of(info.results, end - 1, width));
+                                            byte_of(info.results, end - 1, job.record));
     return {reads.bind(words, 0, table_bytes, kWords),
             reads.bind(words, 0, table_bytes, kGroups),
-            reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
-                       byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
+            job.values == 0
+                ? reads.bind(words, 0, table_bytes, kFloats)  // not read
+                : reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
+                             byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
             reads.bind(info.samples.buffer, info.samples.offset_bytes + 12 * first,
                        info.samples.offset_bytes + 12 * end, kWords),
             results,
@@ -322,45 +328,69 @@ std::vector<BoundBuffer> bind_samples(const PatchEvaluationInfo& info, const Rea
                      : results};
 }
 
-}  // namespace
-
-Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluationInfo& info) const {
-    if (auto checked = check(info); !checked) return checked.error();
-    SurfaceEvaluation evaluation;
-    Recording& recording = evaluation.state_->recording;
-    state_->begin(kPatch, sizeof(PatchEvalParams), recording);
-    // As many at once as the device can bind of any of the buffers.
-    const Reads reads = state_->reads();
-    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
-    const uint64_t window = std::max<uint64_t>(1, (reads.limits.maxStorageBufferRange - 256) / largest);
-    const uint32_t values = value_count(info.derivatives);
-    auto pipeline = state_->pipeline(
-        kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
-                 std::bit_ceil(std::max(16u, info.patches->max_ring_size)),
-                 static_cast<uint32_t>(info.patches->end_cap)});
-    if (!pipeline) return pipeline.error();
-    for (uint64_t first = 0; first < info.samples.count; first += window) {
-        const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);
-        const std::vector<BoundBuffer> bound = bind_samples(info, reads, first, end);
-        if (auto fits = reads.check(bound); !fits) return fits.error();
-        auto set = recording.add_set(state_->kernels[kPatch].set_layout, bound);
-        if (!set) return set.error();
-        PatchEvalParams params = {};
-        params.table = info.patches->offsets;
-        params.ptex_count = info.patches->ptex_count;
-        params.sample_count = static_cast<uint32_t>(end - first);
-        params.first_sample = static_cast<uint32_t>(
-            (info.samples.offset_bytes + 12 * first - bound[shared::kPatchSamplesBinding].offset_bytes) / 4);
+PatchEvalParams sample_params(const SampleJob& job, std::span<const BoundBuffer> bound, uint64_t first,
+                              uint64_t end) {
+    const PatchEvaluationInfo& info = job.info;
+    PatchEvalParams params = {};
+    params.table = info.patches->offsets;
+    params.ptex_count = info.patches->ptex_count;
+    params.sample_count = static_cast<uint32_t>(end - first);
+    params.first_sample = static_cast<uint32_t>(
+        (info.samples.offset_bytes + 12 * first - bound[shared::kPatchSamplesBinding].offset_bytes) / 4);
+    if (job.values != 0) {
         params.point_base = Reads::base(info.points, 0, bound[shared::kPatchPointsBinding]);
         params.point_stride = info.points.stride;
-        params.result_base = Reads::base(info.results, first, bound[shared::kPatchResultsBinding]);
-        params.result_stride = info.results.stride;
-        params.status_base = info.statuses.buffer == VK_NULL_HANDLE
-                                 ? shared::kPatchNoStatus
-                                 : Reads::base(info.statuses, first, bound[shared::kPatchStatusesBinding]);
+    }
+    params.result_base = Reads::base(info.results, first, bound[shared::kPatchResultsBinding]);
+    params.result_stride = info.results.stride;
+    params.status_base = info.statuses.buffer == VK_NULL_HANDLE
+                             ? shared::kPatchNoStatus
+                             : Reads::base(info.statuses, first, bound[shared::kPatchStatusesBinding]);
+    return params;
+}
+
+}  // namespace
+
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_locations(const LocationInfo& info) const {
+    if (info.patches == nullptr) return bad("there is no patch table to evaluate");
+    if (auto checked = check_points(info.places, 5); !checked) return checked.error();
+    return state_->prepare(
+        {.patches = info.patches, .samples = info.samples, .results = info.places, .statuses = info.statuses},
+        0);
+}
+
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluationInfo& info) const {
+    const uint32_t values = value_count(info.derivatives);
+    if (auto checked = check(info.patches, info.width, info.points); !checked) return checked.error();
+    if (auto checked = check_points(info.results, info.width * values); !checked) return checked.error();
+    return state_->prepare(info, values);
+}
+
+/// Checked, but for samples and statuses.
+Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const PatchEvaluationInfo& info, uint32_t values) {
+    if (auto checked = check(info.samples, info.statuses); !checked) return checked.error();
+    SurfaceEvaluation evaluation;
+    Recording& recording = evaluation.state_->recording;
+    begin(kPatch, sizeof(PatchEvalParams), recording);
+    const SampleJob job{info, values, values == 0 ? 5 : values * info.width};
+    auto pipeline = this->pipeline(
+        kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
+                 std::bit_ceil(std::max(16u, values == 0 ? 1 : info.patches->max_ring_size)),
+                 static_cast<uint32_t>(info.patches->end_cap)});
+    if (!pipeline) return pipeline.error();
+    // As many at once as the device can bind of any of the buffers.
+    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
+    const uint64_t window =
+        std::max<uint64_t>(1, (device->properties.limits.maxStorageBufferRange - 256) / largest);
+    for (uint64_t first = 0; first < info.samples.count; first += window) {
+        const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);
+        const std::vector<BoundBuffer> bound = bind_samples(job, reads(), first, end);
+        if (auto fits = reads().check(bound); !fits) return fits.error();
+        auto set = recording.add_set(kernels[kPatch].set_layout, bound);
+        if (!set) return set.error();
         recording.add_dispatch(*pipeline, *set,
                                (end - first + shared::kPatchWorkgroupSize - 1) / shared::kPatchWorkgroupSize,
-                               params);
+                               sample_params(job, bound, first, end));
     }
     return evaluation;
 }

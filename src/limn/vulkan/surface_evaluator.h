@@ -53,6 +53,15 @@ struct PatchEvaluationInfo {
     PointBuffer statuses = {};  ///< optional: SampleStatus as uint32 for each sample; only stride 1
 };
 
+/// Where samples are, as locate_patches, in float: five words for each, at point s of `places`: surface,
+/// plan, node, and u and v as floats; zeros where the status is not valid.
+struct LocationInfo {
+    const DevicePatchTable* patches = nullptr;
+    SampleBuffer samples = {};
+    PointBuffer places = {};    ///< the stride is at least 5
+    PointBuffer statuses = {};  ///< as PatchEvaluationInfo
+};
+
 /// An evaluation with all that it needs bound: record it as often as wanted. What StencilEvaluation says
 /// holds for it, too.
 class SurfaceEvaluation {
@@ -81,11 +90,12 @@ class SurfaceEvaluator {
     SurfaceEvaluator& operator=(SurfaceEvaluator&&) noexcept;
     ~SurfaceEvaluator();
 
-    /// Errors, of all three: invalid_argument (null, width, strides, offsets), unsupported (more than the
+    /// Errors, of all: invalid_argument (null, width, strides, offsets), unsupported (more than the
     /// device can bind at once: of a grid's destination, one pass), out_of_memory, vulkan_failure.
     Result<StencilEvaluation> prepare_points(const SurfacePointsInfo& info) const;
     Result<SurfaceEvaluation> prepare_grid(const GridEvaluationInfo& info) const;
     Result<SurfaceEvaluation> prepare_samples(const PatchEvaluationInfo& info) const;
+    Result<SurfaceEvaluation> prepare_locations(const LocationInfo& info) const;
 
   private:
     SurfaceEvaluator();
