@@ -13,21 +13,6 @@ using limn::test::TestMesh;
 
 constexpr uint32_t kMaxVertices = 3000;
 
-/// 2e-6 of the largest side of the values' box, and 4 ulp of the largest value.
-double tolerance_of(const std::vector<float>& values, size_t width) {
-    double size = 0, largest = 0;
-    for (size_t k = 0; k < width; ++k) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (size_t i = k; i < values.size(); i += width) {
-            low = std::min(low, double{values[i]});
-            high = std::max(high, double{values[i]});
-        }
-        size = std::max(size, high - low);
-        largest = std::max({largest, std::abs(low), std::abs(high)});
-    }
-    return 2e-6 * size + 4 * largest * std::ldexp(1.0, -23);
-}
-
 class RefineOnDevice : public VulkanTest {
   protected:
     void SetUp() override {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -46,6 +47,27 @@ inline testing::AssertionResult points_match(const HostPoints& host, const Devic
     return testing::AssertionFailure()
            << bad << " of " << host.values.size() << " values are off; point " << worst / host.width
            << " component " << worst % host.width << " by " << worst_error << ", host " << host.values[worst];
+}
+
+/// The largest side of the box of values, `width` for each.
+inline double size_of(const std::vector<float>& values, size_t width) {
+    double size = 0;
+    for (size_t k = 0; k < width; ++k) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (size_t i = k; i < values.size(); i += width) {
+            low = std::min(low, double{values[i]});
+            high = std::max(high, double{values[i]});
+        }
+        size = std::max(size, high - low);
+    }
+    return size;
+}
+
+/// 2e-6 of it, and 4 ulp of the largest value.
+inline double tolerance_of(const std::vector<float>& values, size_t width) {
+    double largest = 0;
+    for (const float value : values) largest = std::max(largest, std::abs(double{value}));
+    return 2e-6 * size_of(values, width) + 4 * largest * std::ldexp(1.0, -23);
 }
 
 /// The device of all tests, with validation; null when there is none, and then the test has failed.
