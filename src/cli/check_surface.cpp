@@ -203,6 +203,7 @@ struct SurfaceCheck {
     Result<void> check_patches();
     Result<void> check_patches_on_device(const std::vector<ReferencePlace>& far);
     void check_caps(const std::vector<ReferencePlace>& far);
+    Result<void> check_same_caps(std::vector<ReferencePlace> far);
     void check_bfr(const OpenSubdivSurface& surface, const std::vector<ReferencePlace>& far);
     Result<void> check_refined_vertices();
     Result<void> check_texture_coordinates();
@@ -228,7 +229,8 @@ Result<void> SurfaceCheck::check_patches() {
     if (!usual) return usual.error();
     const std::vector<ReferencePlace> far = surface->far_places(check.points(), places.samples);
     const Errors errors = compare(ours, far, extent.size);
-    const Errors theirs = compare(usual->far_places(check.points(), places.samples), far, extent.size);
+    const std::vector<ReferencePlace> usual_far = usual->far_places(check.points(), places.samples);
+    const Errors theirs = compare(usual_far, far, extent.size);
     const std::string peer = "OpenSubdiv, level " + std::to_string(kUsualLevel) + ": ";
     add("surface points", errors.points, exact, "of size", peer + number(theirs.points));
     add("surface derivatives", errors.first, exact, "of size", peer + number(theirs.first));
@@ -236,9 +238,24 @@ Result<void> SurfaceCheck::check_patches() {
     add("surface normals", errors.all_normals(), kNormalTolerance, "degrees",
         peer + number(theirs.all_normals()));
     check_caps(far);
+    if (auto done = check_same_caps(usual_far); !done) return done;
     check_bfr(*surface, far);
 
     return check_patches_on_device(far);
+}
+
+/// Like for like: a table with OpenSubdiv's end caps at the same level, where those are.
+Result<void> SurfaceCheck::check_same_caps(std::vector<ReferencePlace> far) {
+    const auto table = build_patch_table<double>(
+        mesh(), {.end_cap = EndCap::gregory_opensubdiv, .isolation_level = kUsualLevel});
+    if (!table) return table.error();
+    for (ReferencePlace& place : far) place.regular = !place.regular;
+    const Errors errors = compare(
+        evaluate_surface(*table, check.points(), 3, places.samples, Derivatives::second), far, extent.size);
+    const std::string level = "both at level " + std::to_string(kUsualLevel);
+    add("same end caps, points", errors.points, exact, "of size", level);
+    add("same end caps, derivs.", std::max(errors.first, errors.second), exact, "of size", level);
+    return {};
 }
 
 Result<void> SurfaceCheck::check_patches_on_device(const std::vector<ReferencePlace>& far) {
