@@ -288,6 +288,11 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
     return table;
 }
 
+bool has_semi_sharp_edges(const Topology& t) {
+    return std::any_of(t.edge_sharpness.begin(), t.edge_sharpness.end(),
+                       [](float s) { return s > 0 && !is_infinite(s); });
+}
+
 }  // namespace
 
 template <class Real>
@@ -305,8 +310,11 @@ Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& 
     const auto refinement =
         build_face_varying_refinement(mesh, channel, {.level = 0, .full_last_level = true});
     if (!refinement) return refinement.error();
-    if (!refinement->uncut.empty())
-        return Error{ErrorCode::unsupported, "patch tables of face-varying channels with Chaikin creasing"};
+    // Sharpness that is not finite stays as it is, on either side of a seam.
+    if (!refinement->uncut.empty() && refinement->levels[0].options.scheme != Scheme::bilinear &&
+        has_semi_sharp_edges(refinement->uncut[0]))
+        return Error{ErrorCode::unsupported,
+                     "patch tables of smooth face-varying channels with Chaikin creases"};
     return build<Real>(*refinement, options, cache);
 }
 

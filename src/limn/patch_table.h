@@ -153,7 +153,7 @@ struct PatchTableOptions {
 };
 
 /// Plans already built, for any number of meshes and threads; each build takes what it needs from it and adds
-/// what is new. A plan takes about 100 bytes of it for each point of its ring and level of its tree.
+/// what is new. A plan takes about 200 bytes for each point of its ring and level of its tree.
 class PlanCache {
   public:
     PlanCache();
@@ -179,7 +179,8 @@ Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const P
                                                 const PlanCache* cache = nullptr);
 
 /// The limit of one face-varying channel: the same faces, in the channel's values.
-/// Errors: and unsupported with Chaikin creasing, whose rules look beyond seams.
+/// Errors: and unsupported where a channel that is not linear everywhere meets semi-sharp Chaikin creases,
+/// whose rules look beyond seams.
 template <class Real>
 Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& mesh, uint32_t channel,
                                                              const PatchTableOptions& options,
