@@ -92,9 +92,12 @@ TEST_F(Program, says_what_a_patch_table_takes) {
                             "plan_bytes\": ", "texture_surfaces\": 6", "texture_patch_table_bytes\": "})
         EXPECT_NE(json.output.find(std::string("\"") + key), std::string::npos) << key << json.output;
     // What has no patch table is told about all the same.
-    const Outcome chaikin = run("info cube.obj --json --creasing chaikin");
+    const Outcome chaikin = run("info cube.obj --json --creasing chaikin --fvar none");
     EXPECT_EQ(chaikin.status, 0) << chaikin.errors;
     EXPECT_NE(chaikin.output.find("\"texture_surfaces\": null"), std::string::npos) << chaikin.output;
+    // Linear channels take no notice of creases.
+    const Outcome linear = run("info cube.obj --json --creasing chaikin --fvar all");
+    EXPECT_NE(linear.output.find("\"texture_surfaces\": 6"), std::string::npos) << linear.output;
 }
 
 TEST_F(Program, refines_on_the_device_as_on_the_host) {
