@@ -30,8 +30,8 @@ struct GridClass {
     uint32_t ring_size;
     uint32_t group_count;  ///< groups of four ring points; more than 8 are a multiple of 8. Padding weighs 0
     uint32_t sample_count;
-    uint32_t first_weight;     ///< in groups of four
-    uint32_t corners;          ///< which ring points are at the surface's corners: shared::kGridCorners...
+    uint32_t first_weight;  ///< in groups of four
+    uint32_t corners;       ///< which ring points are at the surface's corners: shared::kGridCorners...
 };
 
 /// Where a surface's samples go, and how its derivatives are turned: sample s is sample
@@ -73,7 +73,7 @@ struct GridTable {
 
 /// Weights are computed in double, from those of the table; on all cores. At an extraordinary vertex those of
 /// du and dv are the limit tangents'. Errors: invalid_argument (rate, samples_per_pass), too_large
-/// (max_weight_bytes: evaluate samples instead; 2^32 samples a face or more).
+/// (max_weight_bytes: evaluate samples instead).
 template <class Real>
 Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const GridOptions& options);
 

@@ -22,7 +22,7 @@ struct PatchPoints {
 
 /// False where the face is not regular: anything but 4 (Loop: 6) faces around a smooth corner, 2 (3) beside
 /// an infinite crease or boundary, 1 in an infinitely sharp corner. `linear`: every face of the scheme's own
-/// size is a bilinear patch. Loop triangles that are to be linear are box splines of a special net.
+/// size is a bilinear patch, or a linear triangle.
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
 
 /// Whether a face may be a patch as far as corner c (of a face of the scheme's own size) is concerned.

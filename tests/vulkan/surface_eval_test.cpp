@@ -114,7 +114,8 @@ class SurfaceEval : public VulkanTest {
 
     void check_samples(const Surface& s, const std::vector<PatchSample>& samples, Derivatives derivatives,
                        const std::string& name);
-    void check_grid(const Surface& s, uint32_t rate, const std::string& name);
+    void check_grid(const Surface& s, uint32_t rate, const std::string& name,
+                    uint32_t samples_per_pass = 3000);
 
     const SurfaceEvaluator* evaluator_ = nullptr;
 };
@@ -211,8 +212,10 @@ void SurfaceEval::check_samples(const Surface& s, const std::vector<PatchSample>
     EXPECT_LE(worst_angle, 0.1) << name;
 }
 
-void SurfaceEval::check_grid(const Surface& s, uint32_t rate, const std::string& name) {
-    const Result<GridTable> grid = build_grid_table(s.table, {.rate = rate, .samples_per_pass = 3000});
+void SurfaceEval::check_grid(const Surface& s, uint32_t rate, const std::string& name,
+                             uint32_t samples_per_pass) {
+    const Result<GridTable> grid =
+        build_grid_table(s.table, {.rate = rate, .samples_per_pass = samples_per_pass});
     ASSERT_TRUE(grid) << grid.error().message;
     const DeviceGridTable device_grid = *upload_grid_table(device(), *grid);
     const std::vector<PatchSample> samples =
@@ -342,6 +345,28 @@ TEST_F(SurfaceEval, normals_far_from_the_origin) {
                                    *build_patch_table<double>(control, {}), mesh.positions, 3);
     check_samples(s, scattered_samples(s.table), Derivatives::first, "far prism");
     check_grid(s, 8, "far prism");
+}
+
+// More points than 16 bits can number.
+TEST_F(SurfaceEval, wide_rings) {
+    const TestMesh mesh = limn::test::make_grid(270, 250);
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    ASSERT_FALSE(s.device_table.narrow_rings);
+    std::vector<PatchSample> samples = scattered_samples(s.table);
+    samples.erase(samples.begin(), samples.end() - 20000);
+    check_samples(s, samples, Derivatives::first, "wide grid");
+    check_grid(s, 1, "wide grid", 100000);
+}
+
+// A rate whose samples take several workgroups for each tile.
+TEST_F(SurfaceEval, grids_of_many_samples) {
+    const TestMesh mesh = limn::test::make_prism(5);
+    const ControlMesh control = control_mesh(mesh);
+    const Surface s = make_surface(*build_patch_table<float>(control, {}),
+                                   *build_patch_table<double>(control, {}), mesh.positions, 3);
+    for (const uint32_t rate : {13u, 24u}) check_grid(s, rate, mesh.name);
 }
 
 TEST_F(SurfaceEval, gregory_end_caps_equal_those_in_double) {
