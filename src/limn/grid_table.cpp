@@ -198,6 +198,7 @@ Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const Gri
     out.samples_per_face =
         triangles ? (options.rate + 1) * (options.rate + 2) / 2 : (options.rate + 1) * (options.rate + 1);
     out.faces_per_pass = std::max(1u, options.samples_per_pass / out.samples_per_face);
+    out.total_sample_count = uint64_t{out.ptex_count} * out.samples_per_face;
     Lattices lattices{options, triangles, out};
     std::vector<ClassKey> keys;
     std::vector<GridSurface> surfaces = list_surfaces(table, lattices, keys);

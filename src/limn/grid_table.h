@@ -63,8 +63,9 @@ struct GridTable {
     Array<uint32_t> placement_samples;
     Array<GridSurface> surfaces;
     Array<float> weights;
+    uint64_t total_sample_count = 0;
 
-    uint64_t sample_count() const { return uint64_t{ptex_count} * samples_per_face; }
+    uint64_t sample_count() const { return total_sample_count; }
     uint64_t bytes() const {
         return classes.size() * sizeof(GridClass) + placements.size() * sizeof(GridPlacement) +
                placement_samples.bytes() + surfaces.bytes() + weights.bytes();

@@ -3,6 +3,7 @@
 #define LIMN_SHARED_INTEROP_H
 
 #ifdef __cplusplus
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 #define LIMN_SHARED_BEGIN \
@@ -14,6 +15,7 @@
 #define LIMN_INOUT(T) T&
 namespace limn::shared {
 using real = double;  // the CPU reference; kernels compute in float
+using std::sqrt;
 }
 /// Fails to compile unless C++ lays T out in `bytes` bytes of 32-bit members, as std430 does.
 #define LIMN_LAYOUT(T, bytes) \

@@ -173,6 +173,7 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
     out.ptex_count = table.ptex_count;
     out.samples_per_face = table.samples_per_face;
     out.faces_per_pass = table.faces_per_pass;
+    out.total_sample_count = table.total_sample_count;
     GridWords grid = lay_out(table);
     if (grid.words.size() > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
     out.batches = std::move(grid.batches);

@@ -46,10 +46,11 @@ struct DeviceGridTable {
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
     std::vector<GridBatch> batches;
+    uint64_t total_sample_count = 0;
     Buffer words;
     Buffer weights;
 
-    uint64_t sample_count() const { return uint64_t{ptex_count} * samples_per_face; }
+    uint64_t sample_count() const { return total_sample_count; }
     VkDeviceSize bytes() const { return words.size_bytes + weights.size_bytes; }
 };
 

@@ -1,0 +1,292 @@
+#include "limn/patch_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "limn/parallel.h"
+#include "limn/patch_evaluator.h"
+#include "limn/topology.h"
+
+namespace limn {
+namespace {
+
+using Row = std::vector<double>;  ///< over the ring of the surface
+
+/// One plan's tree by itself: nodes, leaves and rows counted from 0.
+struct Tree {
+    std::vector<uint32_t> nodes;
+    std::vector<uint16_t> leaf_points;
+    std::vector<Row> rows;
+};
+
+/// A plan on the way down: the rows of its ring, and which of its rows have become local points.
+struct Visit {
+    uint32_t plan;
+    std::vector<Row> ring;  ///< empty: the surface's own
+    std::vector<uint32_t> local;
+};
+
+struct Grower {
+    const PatchTable& table;
+    double smallest;  ///< cells up to this size have one place, their irregular corner
+    bool triangles;
+    uint32_t ring_size;
+    Tree& tree;
+
+    Row row_of(const Visit& visit, const double* weights) const {
+        const uint32_t size = table.plans[visit.plan].ring_size;
+        if (visit.ring.empty()) return Row(weights, weights + size);
+        Row row(ring_size, 0.0);
+        for (uint32_t j = 0; j < size; ++j)
+            if (weights[j] != 0)
+                for (uint32_t i = 0; i < ring_size; ++i) row[i] += weights[j] * visit.ring[j][i];
+        return row;
+    }
+    Row plan_row(const Visit& visit, uint32_t r) const {
+        const Plan& plan = table.plans[visit.plan];
+        const float* weights = table.plan_weights.data() + plan.first_weight +
+                               size_t{r} * shared::plan_row_stride(plan.ring_size);
+        return row_of(visit, Row(weights, weights + plan.ring_size).data());
+    }
+    uint32_t local_of(Visit& visit, uint32_t r) {
+        uint32_t& local = visit.local[r];
+        if (local == kInvalidIndex) {
+            local = static_cast<uint32_t>(tree.rows.size());
+            tree.rows.push_back(plan_row(visit, r));
+        }
+        return local;
+    }
+    Visit enter(uint32_t plan) const {
+        return {plan, {}, std::vector<uint32_t>(table.plans[plan].row_count, kInvalidIndex)};
+    }
+
+    void add_leaf(uint32_t slot, uint32_t kind, uint32_t rotation, const std::vector<uint32_t>& points) {
+        const size_t leaf = tree.leaf_points.size() / shared::kLeafPoints;
+        tree.nodes[slot] = shared::pack_tree_node(kind, rotation, static_cast<uint32_t>(leaf));
+        for (uint32_t k = 0; k < shared::kLeafPoints; ++k)
+            tree.leaf_points.push_back(static_cast<uint16_t>(k < points.size() ? points[k] : points[0]));
+    }
+
+    /// The plan's surface at its corner: value, du and dv there.
+    void add_corner(uint32_t slot, uint32_t rotation, const Visit& visit) {
+        const PatchEvaluator<float> evaluator{table, triangles, table.plans[visit.plan].ring_size};
+        PatchScratch scratch;
+        scratch.ring.assign(evaluator.width * evaluator.width, 0.0);
+        for (size_t j = 0; j < evaluator.width; ++j) scratch.ring[j * evaluator.width + j] = 1;
+        evaluator.evaluate(visit.plan, shared::make_location(0, 0), scratch);
+        std::vector<uint32_t> points;
+        for (uint32_t k = 0; k < 3; ++k) {
+            points.push_back(static_cast<uint32_t>(tree.rows.size()));
+            tree.rows.push_back(row_of(visit, scratch.values.data() + k * evaluator.width));
+        }
+        add_leaf(slot, shared::kNodeCorner, rotation, points);
+    }
+
+    void add_patch(uint32_t slot, uint32_t rotation, const PlanNode& node, Visit& visit) {
+        const auto kind = static_cast<uint32_t>(node.kind());
+        const Plan& plan = table.plans[visit.plan];
+        std::vector<uint32_t> points(shared::patch_point_count(kind));
+        for (uint32_t k = 0; k < points.size(); ++k)
+            points[k] = local_of(visit, table.plan_points[plan.first_point + node.first + k]);
+        if (node.kind() == PlanNodeKind::bilinear)
+            points = {points[0], points[1], points[0], points[0], points[3], points[2]};
+        add_leaf(slot, kind, rotation, points);
+    }
+
+    /// `node` of the plan visited, whose cell is size_u x size_v of the surface.
+    void grow(uint32_t slot, uint32_t rotation, const PlanNode& node, Visit& visit, double size_u, double size_v) {
+        const Plan& plan = table.plans[visit.plan];
+        if (node.kind() == PlanNodeKind::plan) {
+            Visit next = enter(node.plan());
+            const uint32_t* rows = table.plan_points.data() + plan.first_point + node.first;
+            for (uint32_t k = 0; k < table.plans[next.plan].ring_size; ++k)
+                next.ring.push_back(plan_row(visit, rows[k]));
+            if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next);
+            const PlanNode& root = table.plan_nodes[table.plans[next.plan].first_node];
+            return grow(slot, node.rotation(), root, next, size_u, size_v);
+        }
+        if (node.kind() > PlanNodeKind::split_v) return add_patch(slot, rotation, node, visit);
+        const uint32_t count = node.kind() == PlanNodeKind::split ? 4 : 2;
+        const auto first = static_cast<uint32_t>(tree.nodes.size());
+        tree.nodes[slot] = shared::pack_tree_node(static_cast<uint32_t>(node.kind()), rotation, first);
+        tree.nodes.resize(first + count);
+        if (node.kind() != PlanNodeKind::split_v) size_u /= 2;
+        if (node.kind() != PlanNodeKind::split_u) size_v /= 2;
+        // Down the chain of first children lies the plan's own corner, which ends the chain where it is small.
+        const bool at_root = &node == &table.plan_nodes[plan.first_node];
+        for (uint32_t c = 0; c < count; ++c) {
+            const PlanNode* child = &table.plan_nodes[plan.first_node + node.first + c];
+            const bool small = std::max(size_u, size_v) <= smallest;
+            if (c == 0 && small && plan.has_corner_rows != 0 && (at_root || on_first_chain) &&
+                child->kind() <= PlanNodeKind::split_v) {
+                add_corner(first, 0, visit);
+                continue;
+            }
+            const bool before = on_first_chain;
+            on_first_chain = c == 0 && (at_root || before);
+            grow(first + c, 0, *child, visit, size_u, size_v);
+            on_first_chain = before;
+        }
+    }
+    bool on_first_chain = false;
+};
+
+Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest) {
+    Tree tree;
+    tree.nodes.resize(1);
+    Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree};
+    Visit visit = grower.enter(plan);
+    grower.grow(0, 0, table.plan_nodes[table.plans[plan].first_node], visit, 1, 1);
+    return tree;
+}
+
+/// Rows are padded to a multiple of this: trees of nearly equal size then share a dispatch.
+constexpr uint32_t kRowPadding = 16;
+uint32_t padded_rows(const Tree& tree) {
+    return (static_cast<uint32_t>(tree.rows.size()) + kRowPadding - 1) / kRowPadding * kRowPadding;
+}
+
+/// Nodes and leaves of all trees in a row: the root of each.
+std::vector<uint32_t> join_trees(const std::vector<Tree>& trees, PatchTreeTable& out) {
+    size_t node_count = 0, leaf_count = 0;
+    for (const Tree& tree : trees) {
+        node_count += tree.nodes.size();
+        leaf_count += tree.leaf_points.size() / shared::kLeafPoints;
+    }
+    std::vector<uint32_t> roots;
+    if (node_count >= shared::kMaxTreeFirst || leaf_count >= shared::kMaxTreeFirst) return roots;
+    out.nodes.allocate(node_count);
+    out.leaf_points.allocate(leaf_count * shared::kLeafWords);
+    uint32_t node_at = 0, leaf_at = 0;
+    for (const Tree& tree : trees) {
+        roots.push_back(node_at);
+        for (size_t n = 0; n < tree.nodes.size(); ++n) {
+            const uint32_t word = tree.nodes[n], kind = shared::node_kind(word);
+            const uint32_t base = kind <= shared::kNodeSplitV ? node_at : leaf_at;
+            out.nodes[node_at + n] =
+                shared::pack_tree_node(kind, shared::node_rotation(word), shared::tree_first(word) + base);
+        }
+        node_at += static_cast<uint32_t>(tree.nodes.size());
+        for (size_t w = 0; w < tree.leaf_points.size() / 2; ++w)
+            out.leaf_points[leaf_at * shared::kLeafWords + w] =
+                tree.leaf_points[2 * w] | static_cast<uint32_t>(tree.leaf_points[2 * w + 1]) << 16;
+        leaf_at += static_cast<uint32_t>(tree.leaf_points.size() / shared::kLeafPoints);
+    }
+    return roots;
+}
+
+/// The rows of tree t as a class of a grid: sample s is local point s of a surface.
+void write_class(const Tree& tree, const GridClass& c, GridTable& grid) {
+    for (uint32_t s = 0; s < c.sample_count; ++s) {
+        for (uint32_t j = 0; j < 4 * c.group_count; ++j) {
+            const size_t at = c.first_weight + size_t{j / 4} * c.sample_count + s;
+            const bool filled = s < tree.rows.size() && j < c.ring_size;
+            grid.weights[4 * at + j % 4] = filled ? static_cast<float>(tree.rows[s][j]) : 0.0f;
+        }
+    }
+}
+
+Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees,
+                         const std::vector<uint32_t>& plans, uint64_t max_bytes, GridTable& grid) {
+    uint64_t groups = 0, samples = 0;
+    for (size_t t = 0; t < trees.size(); ++t) {
+        const uint32_t ring = table.plans[plans[t]].ring_size;
+        GridClass c{ring, (ring + 3) / 4, padded_rows(trees[t]), static_cast<uint32_t>(groups),
+                    shared::kGridCornersFirst};
+        if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
+        grid.classes.push_back(c);
+        grid.placements.push_back({1, 0, 0, 1, static_cast<uint32_t>(samples)});
+        groups += uint64_t{c.group_count} * c.sample_count;
+        samples += c.sample_count;
+        if (groups * 16 > max_bytes)
+            return Error{ErrorCode::too_large,
+                         "local points need more than " + std::to_string(max_bytes >> 20) + " MiB of weights"};
+    }
+    grid.weights.allocate(groups * 4);
+    grid.placement_samples.allocate(samples);
+    for (size_t t = 0; t < trees.size(); ++t) {
+        uint32_t* sample = grid.placement_samples.data() + grid.placements[t].first;
+        for (uint32_t s = 0; s < grid.classes[t].sample_count; ++s)
+            sample[s] = s < trees[t].rows.size() ? s : kInvalidIndex;
+    }
+    for_each_index(
+        static_cast<uint32_t>(trees.size()),
+        [&](uint32_t t) { write_class(trees[t], grid.classes[t], grid); }, 1);
+    return {};
+}
+
+/// Gives each surface its local points; none of them crosses a pass.
+Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& trees,
+                            const std::vector<uint32_t>& tree_of_plan, const std::vector<uint32_t>& roots,
+                            PatchTreeTable& out) {
+    GridTable& grid = out.local_points;
+    std::vector<GridSurface> surfaces(table.surfaces.size());
+    out.surfaces.allocate(surfaces.size());
+    uint64_t local = 0;
+    for (size_t i = 0; i < surfaces.size(); ++i) {
+        const Surface& s = table.surfaces[i];
+        const uint32_t tree = tree_of_plan[s.plan()], count = static_cast<uint32_t>(trees[tree].rows.size());
+        if (local / grid.faces_per_pass != (local + count - 1) / grid.faces_per_pass)
+            local = (local / grid.faces_per_pass + 1) * grid.faces_per_pass;
+        surfaces[i] = {s.first_ring, static_cast<uint32_t>(local), tree, tree};
+        out.surfaces[i] = {shared::pack_surface(roots[tree], s.rotation()), static_cast<uint32_t>(local)};
+        local += count;
+        if (local > 0x7fffffff) return Error{ErrorCode::too_large, "2^31 local points or more"};
+    }
+    grid.total_sample_count = local;
+    std::stable_sort(surfaces.begin(), surfaces.end(), [&](const GridSurface& a, const GridSurface& b) {
+        const uint32_t pass_a = a.ptex_face / grid.faces_per_pass, pass_b = b.ptex_face / grid.faces_per_pass;
+        return pass_a != pass_b ? pass_a < pass_b : a.grid_class < b.grid_class;
+    });
+    grid.surfaces.allocate(surfaces.size());
+    std::copy(surfaces.begin(), surfaces.end(), grid.surfaces.begin());
+    return {};
+}
+
+}  // namespace
+
+Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options) {
+    if (options.max_rate < 2 || options.max_rate > 128)
+        return Error{ErrorCode::invalid_argument,
+                     "a rate of " + std::to_string(options.max_rate) + " is not within 2 and 128"};
+    if (options.points_per_pass < 65536)
+        return Error{ErrorCode::invalid_argument, "passes hold 65,536 points or more"};
+    if (table.end_cap != EndCap::exact)
+        return Error{ErrorCode::unsupported, "tessellation of patch tables with Gregory end caps"};
+    std::vector<uint32_t> tree_of_plan(table.plans.size(), kInvalidIndex), plans;
+    for (const Surface& s : table.surfaces) {
+        if (tree_of_plan[s.plan()] != kInvalidIndex) continue;
+        tree_of_plan[s.plan()] = static_cast<uint32_t>(plans.size());
+        plans.push_back(s.plan());
+    }
+    std::vector<Tree> trees(plans.size());
+    // Rates are measured at quarters of edges, whatever they may be.
+    const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
+    for_each_index(
+        static_cast<uint32_t>(plans.size()),
+        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest); }, 1);
+    for (const Tree& tree : trees)
+        if (tree.rows.size() > 0xffff)
+            return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
+
+    PatchTreeTable out;
+    out.options = table.options;
+    out.max_rate = options.max_rate;
+    out.tree_count = static_cast<uint32_t>(trees.size());
+    const std::vector<uint32_t> roots = join_trees(trees, out);
+    if (roots.size() != trees.size()) return Error{ErrorCode::too_large, "patch trees of 2^26 nodes or more"};
+    GridTable& grid = out.local_points;
+    grid.rate = 0;
+    grid.value_count = 1;
+    grid.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
+    grid.samples_per_face = 1;
+    grid.faces_per_pass = options.points_per_pass;
+    if (auto added = add_classes(table, trees, plans, options.max_weight_bytes, grid); !added)
+        return added.error();
+    if (auto placed = place_surfaces(table, trees, tree_of_plan, roots, out); !placed) return placed.error();
+    out.ptex_surfaces = table.ptex_surfaces;
+    return out;
+}
+
+}  // namespace limn
