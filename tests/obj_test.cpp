@@ -6,20 +6,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <random>
 #include <sstream>
 
+#include "files.h"
 #include "limn/file.h"
 #include "limn/ply.h"
 
@@ -29,34 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kQuad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-
-/// A directory of its own, gone with the object.
-struct TemporaryDirectory {
-    fs::path path;
-    TemporaryDirectory() {
-        static std::atomic<int> count = 0;
-        path = fs::temp_directory_path() /
-               ("limn_obj_test." + std::to_string(getpid()) + "." + std::to_string(count++));
-        fs::create_directories(path);
-    }
-    ~TemporaryDirectory() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    std::string file(const std::string& name) const { return (path / name).string(); }
-    size_t entry_count() const {
-        return static_cast<size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-    }
-};
-
-std::string contents(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-void put_contents(const std::string& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
 
 Model parsed(const std::string& text) {
     auto model = parse_obj(text, "test.obj");
@@ -430,18 +400,6 @@ TEST(ObjWrite, CornersNameWhatThereIs) {
     EXPECT_EQ(written(), v + vt + "f 1/1 2/2 3/3\n");
 }
 
-/// Reads little-endian values off the front of a string.
-struct ByteReader {
-    std::string bytes;
-    size_t at = 0;
-    uint32_t byte() { return static_cast<uint8_t>(bytes.at(at++)); }
-    uint32_t u32() {
-        const uint32_t b[4] = {byte(), byte(), byte(), byte()};
-        return b[0] | b[1] << 8 | b[2] << 16 | b[3] << 24;
-    }
-    float f32() { return std::bit_cast<float>(u32()); }
-};
-
 ByteReader ply_payload(const std::string& path, const std::string& header) {
     const std::string bytes = contents(path),
                       whole = "ply\nformat binary_little_endian 1.0\n" + header + "end_header\n";
@@ -471,6 +429,26 @@ TEST(PlyWrite, HeaderAndPayload) {
             EXPECT_EQ(reader.f32(), sample.texture[2 * sample.face_texture[offset + i / 2] + i % 2]);
     }
     EXPECT_EQ(reader.at, reader.bytes.size());
+}
+
+TEST(PlyWrite, VerticesHaveNormalsAndTextureCoordinates) {
+    const TemporaryDirectory directory;
+    const Sample sample;
+    const Floats texture = {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f};
+    MeshOutput mesh = sample.mesh();
+    mesh.texture_coordinates = texture;
+    mesh.face_texture_coordinates = {};
+    ASSERT_TRUE(write_ply(directory.file("out.ply"), mesh));
+    ByteReader reader = ply_payload(
+        directory.file("out.ply"),
+        "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+        "property float ny\nproperty float nz\nproperty float s\nproperty float t\nelement face 2\n"
+        "property list uchar int vertex_indices\n");
+    for (size_t vertex = 0; vertex < 5; ++vertex) {
+        for (size_t i = 0; i < 3; ++i) EXPECT_EQ(reader.f32(), sample.positions[3 * vertex + i]);
+        for (size_t i = 0; i < 3; ++i) EXPECT_EQ(reader.f32(), sample.normals[3 * vertex + i]);
+        for (size_t i = 0; i < 2; ++i) EXPECT_EQ(reader.f32(), texture[2 * vertex + i]);
+    }
 }
 
 TEST(PlyWrite, LongListsAndTextureCoordinatesPerVertex) {

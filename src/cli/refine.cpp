@@ -1,7 +1,8 @@
-// limn refine: a model, uniformly refined, as OBJ or PLY.
+// limn refine: a model, uniformly refined, as OBJ, PLY or glTF.
 #include <algorithm>
 #include <cmath>
 
+#include "cli/gltf.h"
 #include "cli/point_runner.h"
 #include "limn/ply.h"
 #include "limn/refinement.h"
@@ -141,6 +142,7 @@ Result<void> write_mesh(const Options& options, RefinedMesh& mesh) {
     }
     output.face_vertices = mesh.topology.face_vertices;
     output.face_skip = mesh.topology.face_holes;
+    if (ends_with(options.output, ".glb")) return write_glb(options.output, output);
     return ends_with(options.output, ".ply") ? write_ply(options.output, output)
                                              : write_obj(options.output, output);
 }
@@ -170,7 +172,7 @@ int run(const Options& options) {
 void add_refine(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
     CLI::App* command =
-        program.add_subcommand("refine", "Refine a model uniformly and write it as OBJ or PLY");
+        program.add_subcommand("refine", "Refine a model uniformly and write it as OBJ, PLY or glTF");
     command->add_option("MODEL", options->model, "OBJ file")->required();
     command
         ->add_option("--level", options->level,
@@ -178,12 +180,13 @@ void add_refine(CLI::App& program, int& status) {
         ->check(CLI::Range(0u, kMaxRefinementLevel))
         ->capture_default_str();
     command->add_flag("--limit", options->limit, "Move the vertices to the limit surface, with its normals");
-    command->add_option("-o,--output", options->output, "File to write: .obj or .ply (binary)")
+    command
+        ->add_option("-o,--output", options->output, "File to write: .obj, .ply (binary) or .glb (triangles)")
         ->required()
         ->check([](const std::string& path) {
-            return ends_with(path, ".obj") || ends_with(path, ".ply")
-                       ? std::string()
-                       : "'" + path + "' is neither .obj nor .ply";
+            for (const char* ending : {".obj", ".ply", ".glb"})
+                if (ends_with(path, ending)) return std::string();
+            return "'" + path + "' is none of .obj, .ply and .glb";
         });
     add_surface_options(*command, options->surface);
     add_device_option(*command, options->device);
