@@ -151,7 +151,8 @@ std::string find_tessellation_fault(const ControlMesh& mesh, const TessellationT
         --at->second;
     }
     for (const auto& [uses, count] : missing)
-        if (count != 0) return "segments of the control mesh's edges are missing";
+        if (count != 0 && !(balance_is_enough && uses.first == uses.second))
+            return "segments of the control mesh's edges are missing";
     const auto triangles = triangles_of_faces(table, t);
     for (uint32_t f = 0; f < table.face_count; ++f)
         if (triangles[f].size() != expected_triangles(table, rates, spacing, f))
