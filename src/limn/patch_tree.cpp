@@ -18,6 +18,14 @@ struct Tree {
     std::vector<uint32_t> nodes;
     std::vector<uint16_t> leaf_points;
     std::vector<Row> rows;
+    std::vector<uint8_t> is_tangent;  ///< of each row; once sorted those are the last
+    uint32_t point_count = 0;
+
+    uint32_t add(Row row, bool tangent) {
+        rows.push_back(std::move(row));
+        is_tangent.push_back(tangent);
+        return static_cast<uint32_t>(rows.size() - 1);
+    }
 };
 
 /// A plan on the way down: the rows of its ring, and which of its rows have become local points.
@@ -51,10 +59,7 @@ struct Grower {
     }
     uint32_t local_of(Visit& visit, uint32_t r) {
         uint32_t& local = visit.local[r];
-        if (local == kInvalidIndex) {
-            local = static_cast<uint32_t>(tree.rows.size());
-            tree.rows.push_back(plan_row(visit, r));
-        }
+        if (local == kInvalidIndex) local = tree.add(plan_row(visit, r), false);
         return local;
     }
     Visit enter(uint32_t plan) const {
@@ -68,8 +73,9 @@ struct Grower {
             tree.leaf_points.push_back(static_cast<uint16_t>(k < points.size() ? points[k] : points[0]));
     }
 
-    /// The plan's surface at its corner: value, du and dv there.
-    void add_corner(uint32_t slot, uint32_t rotation, const Visit& visit) {
+    /// The plan's surface at its corner: the limit, and that plus either tangent, as if tangents were of the size of the
+    /// surface, not of the cell.
+    void add_corner(uint32_t slot, uint32_t rotation, const Visit& visit, double size) {
         const PatchEvaluator<float> evaluator{table, triangles, table.plans[visit.plan].ring_size};
         PatchScratch scratch;
         scratch.ring.assign(evaluator.width * evaluator.width, 0.0);
@@ -77,8 +83,9 @@ struct Grower {
         evaluator.evaluate(visit.plan, shared::make_location(0, 0), scratch);
         std::vector<uint32_t> points;
         for (uint32_t k = 0; k < 3; ++k) {
-            points.push_back(static_cast<uint32_t>(tree.rows.size()));
-            tree.rows.push_back(row_of(visit, scratch.values.data() + k * evaluator.width));
+            double* row = scratch.values.data() + k * evaluator.width;
+            for (size_t j = 0; k != 0 && j < evaluator.width; ++j) row[j] = scratch.values[j] + row[j] / size;
+            points.push_back(tree.add(row_of(visit, row), k != 0));
         }
         add_leaf(slot, shared::kNodeCorner, rotation, points);
     }
@@ -102,7 +109,7 @@ struct Grower {
             const uint32_t* rows = table.plan_points.data() + plan.first_point + node.first;
             for (uint32_t k = 0; k < table.plans[next.plan].ring_size; ++k)
                 next.ring.push_back(plan_row(visit, rows[k]));
-            if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next);
+            if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next, size_u);
             const PlanNode& root = table.plan_nodes[table.plans[next.plan].first_node];
             return grow(slot, node.rotation(), root, next, size_u, size_v);
         }
@@ -120,7 +127,7 @@ struct Grower {
             const bool small = std::max(size_u, size_v) <= smallest;
             if (c == 0 && small && plan.has_corner_rows != 0 && (at_root || on_first_chain) &&
                 child->kind() <= PlanNodeKind::split_v) {
-                add_corner(first, 0, visit);
+                add_corner(first, 0, visit, size_u);
                 continue;
             }
             const bool before = on_first_chain;
@@ -132,12 +139,29 @@ struct Grower {
     bool on_first_chain = false;
 };
 
+/// Puts tangents behind points.
+void sort_rows(Tree& tree) {
+    std::vector<uint16_t> place(tree.rows.size());
+    std::vector<Row> sorted;
+    for (const bool tangents : {false, true}) {
+        for (size_t r = 0; r < tree.rows.size(); ++r) {
+            if ((tree.is_tangent[r] != 0) != tangents) continue;
+            place[r] = static_cast<uint16_t>(sorted.size());
+            sorted.push_back(std::move(tree.rows[r]));
+        }
+        if (!tangents) tree.point_count = static_cast<uint32_t>(sorted.size());
+    }
+    tree.rows = std::move(sorted);
+    for (uint16_t& point : tree.leaf_points) point = place[point];
+}
+
 Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest) {
     Tree tree;
     tree.nodes.resize(1);
     Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree};
     Visit visit = grower.enter(plan);
     grower.grow(0, 0, table.plan_nodes[table.plans[plan].first_node], visit, 1, 1);
+    if (tree.rows.size() <= 0xffff) sort_rows(tree);
     return tree;
 }
 
@@ -230,7 +254,8 @@ Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& tr
         if (local / grid.faces_per_pass != (local + count - 1) / grid.faces_per_pass)
             local = (local / grid.faces_per_pass + 1) * grid.faces_per_pass;
         surfaces[i] = {s.first_ring, static_cast<uint32_t>(local), tree, tree};
-        out.surfaces[i] = {shared::pack_surface(roots[tree], s.rotation()), static_cast<uint32_t>(local)};
+        out.surfaces[i] = {shared::pack_surface(roots[tree], s.rotation()), static_cast<uint32_t>(local),
+                           trees[tree].point_count};
         local += count;
         if (local > 0x7fffffff) return Error{ErrorCode::too_large, "2^31 local points or more"};
     }

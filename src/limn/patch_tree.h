@@ -12,6 +12,7 @@ namespace limn {
 struct TreeSurface {
     uint32_t word;  ///< shared::pack_surface(root, rotation)
     uint32_t first_local;
+    uint32_t hull_count;  ///< the first so many local points have the surface in their convex hull
 };
 
 /// Plans refer to each other, so that places of any depth can be had; trees end where no place of a grid of

@@ -4,7 +4,7 @@
 #include "limn/shared/patch_table_layout.h"
 LIMN_SHARED_BEGIN
 
-// Beside the kinds of plans' nodes: three rows, the limit and two tangents of an irregular vertex.
+// Beside the kinds of plans' nodes: the limit at an irregular vertex, and that moved by either of two tangents there.
 const uint kNodeCorner = 10;
 
 // Nodes: the kind, how often to turn before (rotate_location), and the first child or the leaf.

@@ -80,10 +80,10 @@ Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,
     return set;
 }
 
-void Recording::record(VkCommandBuffer command_buffer) const {
+void Recording::record(VkCommandBuffer command_buffer, std::span<const Dispatch> some) const {
     VkPipeline pipeline = VK_NULL_HANDLE;
     VkDescriptorSet set = VK_NULL_HANDLE;
-    for (const Dispatch& dispatch : dispatches) {
+    for (const Dispatch& dispatch : some) {
         if (dispatch.pipeline != pipeline)
             device->functions.CmdBindPipeline(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE,
                                               dispatch.pipeline);

@@ -44,16 +44,22 @@ struct Recording {
     /// `group_count` workgroups, in two dimensions where one does not hold them.
     template <class Params>
     void add_dispatch(VkPipeline pipeline, VkDescriptorSet set, uint64_t group_count, const Params& params) {
+        dispatches.push_back(make_dispatch(pipeline, set, group_count, params));
+    }
+    template <class Params>
+    Dispatch make_dispatch(VkPipeline pipeline, VkDescriptorSet set, uint64_t group_count,
+                           const Params& params) const {
         static_assert(sizeof(Params) <= sizeof(Dispatch::push_constants));
         Dispatch dispatch = {pipeline, set, {}, {}};
         const uint64_t most = device->properties.limits.maxComputeWorkGroupCount[0];
         dispatch.groups[1] = static_cast<uint32_t>((group_count - 1) / most + 1);
         dispatch.groups[0] = static_cast<uint32_t>((group_count - 1) / dispatch.groups[1] + 1);
         std::memcpy(dispatch.push_constants.data(), &params, sizeof(Params));
-        dispatches.push_back(dispatch);
+        return dispatch;
     }
 
-    void record(VkCommandBuffer command_buffer) const;
+    void record(VkCommandBuffer command_buffer) const { record(command_buffer, dispatches); }
+    void record(VkCommandBuffer command_buffer, std::span<const Dispatch> some) const;
 };
 
 }  // namespace limn::vk

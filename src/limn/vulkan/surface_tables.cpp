@@ -6,49 +6,9 @@
 #include <map>
 
 #include "limn/shared/grid_eval_params.h"
+#include "limn/vulkan/table_upload.h"
 
 namespace limn::vk {
-namespace {
-
-constexpr VkBufferUsageFlags kTableUsage = kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-
-/// A device buffer, and where the host writes its contents: through `staging` where it is not mapped.
-Result<std::pair<Buffer, void*>> create_table_buffer(const Device& device, VkCommandBuffer command_buffer,
-                                                     VkDeviceSize size_bytes, std::vector<Buffer>& staging) {
-    size_bytes = std::max<VkDeviceSize>(size_bytes, 16);
-    auto buffer = create_buffer(device, size_bytes, kTableUsage, MemoryUse::device);
-    if (!buffer) return buffer.error();
-    void* words = buffer->mapped();
-    if (words == nullptr) {
-        auto upload = create_buffer(device, size_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::upload);
-        if (!upload) return upload.error();
-        words = upload->mapped();
-        const VkBufferCopy region = {0, 0, size_bytes};
-        device.functions.CmdCopyBuffer(command_buffer, upload->handle, buffer->handle, 1, &region);
-        record_barrier(device, command_buffer, kCopyWrites, kKernelReads);
-        staging.push_back(std::move(*upload));
-    }
-    return std::pair(std::move(*buffer), words);
-}
-
-/// An array of a table and where it goes.
-struct Section {
-    const void* data;
-    size_t bytes;
-    uint32_t* offset;
-};
-
-/// Words of all sections, each from a multiple of four.
-uint64_t place(std::span<const Section> sections) {
-    uint64_t words = 0;
-    for (const Section& s : sections) {
-        *s.offset = static_cast<uint32_t>(words);
-        words += (s.bytes + 15) / 16 * 4;
-    }
-    return words;
-}
-
-}  // namespace
 
 Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                    const PatchTable& table) {
@@ -62,23 +22,16 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
     out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
     out.narrow_rings = table.ring_points.narrow;
     for (const Plan& plan : table.plans) out.max_ring_size = std::max(out.max_ring_size, plan.ring_size);
-    const auto section = [](const auto& array, uint32_t& offset) {
-        return Section{array.data(), array.bytes(), &offset};
-    };
-    const Section sections[] = {section(table.ptex_surfaces, out.offsets.ptex_surfaces),
-                                section(table.surfaces, out.offsets.surfaces),
-                                section(table.ring_points.words, out.offsets.ring_points),
-                                section(table.plans, out.offsets.plans),
-                                section(table.plan_nodes, out.offsets.plan_nodes),
-                                section(table.plan_points, out.offsets.plan_points),
-                                section(table.plan_weights, out.offsets.plan_weights)};
-    const uint64_t words = place(sections);
-    if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a patch table of 2^32 words or more"};
-    auto buffer = create_table_buffer(device, command_buffer, words * 4, upload.staging);
-    if (!buffer) return buffer.error();
-    out.words = std::move(buffer->first);
-    for (const Section& s : sections)
-        if (s.bytes != 0) std::memcpy(static_cast<uint32_t*>(buffer->second) + *s.offset, s.data, s.bytes);
+    const TableSection sections[] = {section_of(table.ptex_surfaces, out.offsets.ptex_surfaces),
+                                     section_of(table.surfaces, out.offsets.surfaces),
+                                     section_of(table.ring_points.words, out.offsets.ring_points),
+                                     section_of(table.plans, out.offsets.plans),
+                                     section_of(table.plan_nodes, out.offsets.plan_nodes),
+                                     section_of(table.plan_points, out.offsets.plan_points),
+                                     section_of(table.plan_weights, out.offsets.plan_weights)};
+    auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
+    if (!words) return words.error();
+    out.words = std::move(*words);
     if (table.refined_count == 0) return upload;
     auto points = record_stencil_table_upload(device, command_buffer, build_point_table(table));
     if (!points) return points.error();
@@ -187,24 +140,6 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
     if (!table.weights.empty()) std::memcpy(weights->second, table.weights.data(), table.weights.bytes());
     return upload;
 }
-
-namespace {
-
-template <class Record>
-auto upload_and_wait(const Device& device, const Record& record)
-    -> Result<decltype(record(VkCommandBuffer{})->table)> {
-    auto commands = Commands::begin(device);
-    if (!commands) return commands.error();
-    auto upload = record(commands->handle());
-    if (!upload) return upload.error();
-    const bool copies = std::any_of(upload->staging.begin(), upload->staging.end(),
-                                    [](const Buffer& b) { return b.handle != VK_NULL_HANDLE; });
-    if (copies)
-        if (auto submitted = commands->submit_and_wait(); !submitted) return submitted.error();
-    return std::move(upload->table);
-}
-
-}  // namespace
 
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table) {
     return upload_and_wait(

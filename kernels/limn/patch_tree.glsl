@@ -1,0 +1,120 @@
+// Places of a patch tree: the leaf, and the surface there. Before it: WORD(i), WORD_GROUP(i), LOCAL(i), kTriangles.
+
+struct Leaf {
+    uint kind;
+    uint first_word;   // group of leaf_points
+    uint first_local;  // local point of the surface
+    uint level;
+    PatchLocation at;
+};
+
+Leaf find_leaf(TreeOffsets tree, uint face, float u, float v) {
+    Leaf leaf;
+    leaf.at = make_location(u, v);
+    leaf.level = 0;
+    uint surface = WORD(tree.ptex_surfaces + face);
+    if ((surface & kPtexSplit) != 0) {
+        surface = (surface & ~kPtexSplit) + descend_location(leaf.at, kTriangles != 0);
+        leaf.level = 1;
+    }
+    const uint at = tree.surfaces + 3 * surface, word = WORD(at);
+    leaf.first_local = WORD(at + 1);
+    rotate_location(leaf.at, surface_rotation(word), kTriangles != 0);
+    uint node = WORD(tree.nodes + surface_plan(word));
+    // A tree is never deeper than this; the bound only says that this ends.
+    for (uint step = 0; step < 64 && node_kind(node) <= kNodeSplitV; ++step) {
+        uint child;
+        if (node_kind(node) == kNodeSplit) {
+            child = descend_location(leaf.at, kTriangles != 0);
+            ++leaf.level;
+        } else {
+            child = descend_location_half(leaf.at, node_kind(node) == kNodeSplitU);
+        }
+        node = WORD(tree.nodes + tree_first(node) + child);
+        if (node_rotation(node) != 0) rotate_location(leaf.at, node_rotation(node), kTriangles != 0);
+    }
+    leaf.kind = node_kind(node);
+    leaf.first_word = tree.leaf_points / 4 + tree_first(node) * (kLeafWords / 4);
+    return leaf;
+}
+
+void load_leaf(Leaf leaf, out vec4 points[16]) {
+    const uvec4 low = WORD_GROUP(leaf.first_word), high = WORD_GROUP(leaf.first_word + 1);
+    [[unroll]] for (uint k = 0; k < 8; ++k) {
+        const uint word = k < 4 ? low[k] : high[k - 4];
+        points[2 * k] = LOCAL(leaf.first_local + (word & 0xffffu));
+        points[2 * k + 1] = LOCAL(leaf.first_local + (word >> 16));
+    }
+}
+
+// Cubic B-splines or, of bilinear leaves, linear functions in the places of the first two.
+void side_basis(uint kind, float t, out vec4 f, out vec4 d) {
+    const float s = 1 - t;
+    const float sixth = 1.0 / 6.0;
+    f = vec4(s * s * s * sixth, (4 - 6 * t * t + 3 * t * t * t) * sixth, (4 - 6 * s * s + 3 * s * s * s) * sixth,
+             t * t * t * sixth);
+    d = vec4(-0.5 * s * s, 1.5 * t * t - 2 * t, 2 * s - 1.5 * s * s, 0.5 * t * t);
+    if (kind == kNodeBilinear) {
+        f = vec4(s, t, 0, 0);
+        d = vec4(-1, 1, 0, 0);
+    }
+}
+
+// Value, du and dv by the ptex face's coordinates, summed relative to the first point. Of corners du and dv are tangents,
+// whose lengths mean nothing.
+void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out vec4 dv) {
+    const vec4 origin = points[0];
+    vec4 u = vec4(0), v = vec4(0);
+    value = vec4(0);
+    if (kTriangles == 0) {
+        vec4 a, da, b, db;
+        side_basis(leaf.kind, leaf.at.u, a, da);
+        side_basis(leaf.kind, leaf.at.v, b, db);
+        [[unroll]] for (uint j = 0; j < 4; ++j) {
+            vec4 row = vec4(0), row_u = vec4(0);
+            [[unroll]] for (uint i = 0; i < 4; ++i) {
+                const vec4 point = points[4 * j + i] - origin;
+                row += a[i] * point;
+                row_u += da[i] * point;
+            }
+            value += b[j] * row;
+            u += b[j] * row_u;
+            v += db[j] * row;
+        }
+    } else {
+        Jet basis[kMaxPatchPoints];
+        if (leaf.kind == kNodeLinear)
+            linear_basis(leaf.at.u, leaf.at.v, true, basis);
+        else
+            box_spline_basis(leaf.at.u, leaf.at.v, basis);
+        const uint count = patch_point_count(leaf.kind);
+        [[unroll]] for (uint k = 0; k < 12; ++k) {
+            const vec4 point = k < count ? points[k] - origin : vec4(0);
+            value += basis[k].f * point;
+            u += basis[k].u * point;
+            v += basis[k].v * point;
+        }
+    }
+    value += origin;
+    if (leaf.kind == kNodeCorner) {
+        value = origin;
+        u = points[1] - origin;
+        v = points[2] - origin;
+    }
+    du = u * leaf.at.uu + v * leaf.at.vu;
+    dv = u * leaf.at.uv + v * leaf.at.vv;
+}
+
+vec3 unit_normal(vec3 du, vec3 dv) {
+    const vec3 normal = cross(du, dv);
+    const float square = dot(normal, normal);
+    return square > 0 ? normal * inversesqrt(square) : vec3(0, 0, 1);
+}
+
+vec3 tree_point(TreeOffsets tree, uint face, float u, float v) {
+    const Leaf leaf = find_leaf(tree, face, u, v);
+    vec4 points[16], value, du, dv;
+    load_leaf(leaf, points);
+    evaluate_leaf(leaf, points, value, du, dv);
+    return value.xyz;
+}

@@ -1,0 +1,121 @@
+// What the host and the tess_* kernels agree on.
+//
+// Tables are one array of words (tessellation_table.h and patch_tree.h say what they hold). What a frame's topology is
+// computed to be, is another, the state, whose sections follow from the counts.
+#ifndef LIMN_SHARED_TESS_PARAMS_H
+#define LIMN_SHARED_TESS_PARAMS_H
+#include "limn/shared/tess_rate.h"
+LIMN_SHARED_BEGIN
+
+const uint kTessWorkgroupSize = 64;  // also what a block of the scan is made of
+const uint kTessBlockItems = 64;
+
+const uint kTessWordsBinding = 0;       // tables
+const uint kTessWordGroupsBinding = 1;  // the same buffer, as groups of four words
+const uint kTessLocalBinding = 2;       // local points, groups of four floats
+const uint kTessSecondBinding = 3;      // those of a channel, or rates of the caller's
+const uint kTessStateBinding = 4;
+const uint kTessOutBinding = 5;
+const uint kTessOut2Binding = 6;
+const uint kTessBindingCount = 7;
+
+// Specialization constants.
+const uint kTessTrianglesConstant = 0;  // 1: Loop
+const uint kTessSpacingConstant = 1;
+const uint kTessModeConstant = 2;    // what a kernel has variants of: rate mode, culling, domain
+const uint kTessOutputConstant = 3;  // what vertices get
+const uint kTessLanesConstant = 4;   // invocations that share a row or a face
+
+// Domains of vertices.
+const uint kTessCorners = 0;
+const uint kTessRows = 1;
+const uint kTessFaces = 2;
+
+// Outputs of tess_vertices.
+const uint kTessOutputValue = 0;    // payload: width; one to four components
+const uint kTessOutputNormal = 1;   // position, and a unit normal
+const uint kTessOutputPlace = 2;    // ptex face, u, v, and the leaf: its kind and, shifted by 8, its level
+const uint kTessOutputTangent = 3;  // x y z, and the sign of the bitangent
+
+// Culling, bits.
+const uint kTessCullOutside = 1;
+const uint kTessCullBackfaces = 2;
+
+// Where the tables' arrays begin, in words: those of patch trees, of vertices or a channel; and the others.
+struct TreeOffsets {
+    uint ptex_surfaces;
+    uint surfaces;
+    uint nodes;
+    uint leaf_points;
+};
+LIMN_LAYOUT(TreeOffsets, 16)
+struct TessOffsets {
+    uint faces;
+    uint rows;
+    uint corners;
+    uint rate_edges;
+    uint copies;  // of corners, then of rows
+};
+LIMN_LAYOUT(TessOffsets, 20)
+
+// Push constants: what all kernels take, and a payload of each one's own.
+struct TessParams {
+    TreeOffsets tree;
+    TessOffsets table;
+    uint face_count;
+    uint row_count;
+    uint corner_count;
+    uint rate_edge_count;
+    uint max_rate;
+    float payload[18];
+};
+LIMN_LAYOUT(TessParams, 128)
+
+// The state, in words: the result, then for each rate edge a target (float) and a rate, for each face whether it is
+// drawn, for each row, then for each face, and then for their end, where its vertices and triangles begin, and the same
+// sums for blocks of these.
+const uint kTessResultWords = 8;
+const uint kTessTargets = kTessResultWords;
+LIMN_FN uint tess_rates(uint rate_edge_count) {
+    return kTessTargets + rate_edge_count;
+}
+LIMN_FN uint tess_drawn(uint rate_edge_count) {
+    return kTessTargets + 2u * rate_edge_count;
+}
+LIMN_FN uint tess_items(uint rate_edge_count, uint face_count) {
+    return tess_drawn(rate_edge_count) + face_count;
+}
+LIMN_FN uint tess_item_count(uint row_count, uint face_count) {
+    return row_count + face_count;
+}
+LIMN_FN uint tess_blocks(uint rate_edge_count, uint face_count, uint row_count) {
+    return tess_items(rate_edge_count, face_count) + 2u * (tess_item_count(row_count, face_count) + 1u);
+}
+LIMN_FN uint tess_block_count(uint row_count, uint face_count) {
+    return (tess_item_count(row_count, face_count) + kTessBlockItems - 1u) / kTessBlockItems;
+}
+// Vertices and triangles, low and high words, at each of the scales that are tried; then those scales.
+const uint kTessTrials = 16;
+LIMN_FN uint tess_trials(uint rate_edge_count, uint face_count, uint row_count) {
+    return tess_blocks(rate_edge_count, face_count, row_count) + 2u * tess_block_count(row_count, face_count);
+}
+LIMN_FN uint tess_state_words(uint rate_edge_count, uint face_count, uint row_count) {
+    return tess_trials(rate_edge_count, face_count, row_count) + 5u * kTessTrials;
+}
+
+// The result: what a caller may read back.
+const uint kTessResultStatus = 0;
+const uint kTessResultVertices = 1;
+const uint kTessResultTriangles = 2;
+const uint kTessResultScale = 3;      // float
+const uint kTessResultNotFinite = 4;
+
+// In the order of TessellationStatus.
+const uint kTessComplete = 0;
+const uint kTessScaled = 1;
+const uint kTessTooSmall = 2;
+const uint kTessNotFinite = 3;
+const uint kTessBadSettings = 4;
+
+LIMN_SHARED_END
+#endif

@@ -1,0 +1,59 @@
+// What all tess_* kernels bind, and how they read it: through uniform texel buffers with LIMN_TEXEL, for CPU devices
+// (evaluator.cpp tells why).
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "limn/shared/patch_basis.h"
+#include "limn/shared/patch_location.h"
+#include "limn/shared/patch_tree_layout.h"
+#include "limn/shared/tess_params.h"
+
+layout(local_size_x = kTessWorkgroupSize) in;
+layout(constant_id = kTessTrianglesConstant) const uint kTriangles = 0;
+layout(constant_id = kTessSpacingConstant) const uint kSpacing = 0;
+layout(constant_id = kTessModeConstant) const uint kMode = 0;
+layout(constant_id = kTessOutputConstant) const uint kOutput = 0;
+layout(constant_id = kTessLanesConstant) const uint kLanes = 8;
+
+layout(std430, push_constant) uniform Push { TessParams params; };
+layout(std430, binding = kTessStateBinding) buffer State { uint state[]; };
+
+#ifdef LIMN_TEXEL
+layout(binding = kTessWordsBinding) uniform utextureBuffer words;
+layout(binding = kTessWordGroupsBinding) uniform utextureBuffer word_groups;
+layout(binding = kTessLocalBinding) uniform textureBuffer local_points;
+layout(binding = kTessSecondBinding) uniform textureBuffer second_floats;
+#define WORD(i) texelFetch(words, int(i)).x
+#define WORD_GROUP(i) texelFetch(word_groups, int(i))
+#define LOCAL(i) texelFetch(local_points, int(i))
+#define SECOND(i) texelFetch(second_floats, int(i)).x
+#define SECOND_LOCAL(i) texelFetch(second_floats, int(i))
+#else
+layout(std430, binding = kTessWordsBinding) readonly buffer Words { uint words[]; };
+layout(std430, binding = kTessWordGroupsBinding) readonly buffer WordGroups { uvec4 word_groups[]; };
+layout(std430, binding = kTessLocalBinding) readonly buffer LocalPoints { vec4 local_points[]; };
+layout(std430, binding = kTessSecondBinding) readonly buffer SecondFloats { float second_floats[]; };
+layout(std430, binding = kTessSecondBinding) readonly buffer SecondPoints { vec4 second_points[]; };
+#define WORD(i) words[i]
+#define WORD_GROUP(i) word_groups[i]
+#define LOCAL(i) local_points[i]
+#define SECOND(i) second_floats[i]
+#define SECOND_LOCAL(i) second_points[i]
+#endif
+
+const bool kFractional = kSpacing == kSpacingFractional;
+
+uint rates_at() { return tess_rates(params.rate_edge_count); }
+uint drawn_at() { return tess_drawn(params.rate_edge_count); }
+uint items_at() { return tess_items(params.rate_edge_count, params.face_count); }
+uint blocks_at() { return tess_blocks(params.rate_edge_count, params.face_count, params.row_count); }
+uint trials_at() { return tess_trials(params.rate_edge_count, params.face_count, params.row_count); }
+uint item_count() { return tess_item_count(params.row_count, params.face_count); }
+
+uint global_invocation() {
+    return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kTessWorkgroupSize + gl_LocalInvocationID.x;
+}
+bool is_empty() { return state[kTessResultStatus] >= kTessTooSmall; }
+
+uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }
+uint row_word(uint row, uint i) { return WORD(params.table.rows + kTessRowWords * row + i); }
+uint edge_word(uint edge, uint i) { return WORD(params.table.rate_edges + kRateEdgeWords * edge + i); }

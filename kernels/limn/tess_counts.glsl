@@ -1,0 +1,31 @@
+// How many vertices and triangles an item has. Before it: rate_of(edge), the rate of a rate edge in fixed point.
+
+uint segments_of(uint rate) { return segment_count(rate, kFractional); }
+
+TessPattern pattern_of(uint face) {
+    uint rates[4] = uint[4](0, 0, 0, 0), halves = 0;
+    [[unroll]] for (uint k = 0; k < 4; ++k) {
+        if (kTriangles != 0 && k == 3) break;
+        const uint side = face_word(face, k);
+        rates[k] = rate_of(row_word(side_row(side), 0));
+        if ((side & kSideHalves) != 0) halves |= 1u << k;
+    }
+    return make_pattern(kTriangles != 0, kSpacing, rates[0], rates[1], rates[2], rates[3], halves);
+}
+
+bool is_drawn(uint face) { return state[drawn_at() + face] != 0; }
+
+// Items are rows, then faces. Rows lie beside a face that is drawn, or have no vertices.
+uvec2 count_item(uint item) {
+    if (item < params.row_count) {
+        const uint edge = row_word(item, 0), first = edge_word(edge, 1), second = edge_word(edge, 2);
+        const uint rate = rate_of(edge);
+        const bool live = first == kManyFaces || (first != kNoFace && is_drawn(min(first, params.face_count - 1))) ||
+                          (second != kNoFace && is_drawn(min(second, params.face_count - 1)));
+        return uvec2(live && rate != 0 ? segments_of(rate) - 1 : 0, 0);
+    }
+    const uint face = item - params.row_count;
+    if (!is_drawn(face)) return uvec2(0);
+    const TessPattern pattern = pattern_of(face);
+    return uvec2(inner_vertex_count(pattern), triangle_count(pattern));
+}

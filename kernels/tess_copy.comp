@@ -1,0 +1,29 @@
+// Seams: vertices that must have another's position get its bits.
+// Corners: one invocation each; then rows, kLanes invocations each. kMode: kTessCorners or kTessRows.
+// Reads: tables, offsets, positions. Writes: positions of copies only. Deterministic.
+// Payload: 0, 1: base and stride; 7: copies of this domain; 8: the first of them
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "limn/tess_bindings.glsl"
+
+layout(std430, binding = kTessOutBinding) buffer Out { float values[]; };
+
+void copy_vertex(uint to, uint from) {
+    const uint base = floatBitsToUint(params.payload[0]), stride = floatBitsToUint(params.payload[1]);
+    for (uint c = 0; c < 3; ++c) values[base + to * stride + c] = values[base + from * stride + c];
+}
+
+void main() {
+    const uint invocation = global_invocation();
+    if (is_empty()) return;
+    const uint lanes = kMode == kTessCorners ? 1 : kLanes, copy = invocation / lanes;
+    if (copy >= floatBitsToUint(params.payload[7])) return;
+    const uint at = params.table.copies + 2 * (floatBitsToUint(params.payload[8]) + copy);
+    if (kMode == kTessCorners) {
+        copy_vertex(WORD(at), WORD(at + 1));
+        return;
+    }
+    const uint to = items_at() + 2 * WORD(at), from = items_at() + 2 * WORD(at + 1);
+    const uint to_begin = state[to], from_begin = state[from], count = state[to + 2] - to_begin;
+    for (uint i = invocation % lanes; i < count; i += lanes) copy_vertex(to_begin + i, from_begin + i);
+}

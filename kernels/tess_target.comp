@@ -1,0 +1,51 @@
+// Rates that edges should have, before they are rounded (limn/shared/tess_rate.h).
+// One invocation per rate edge.
+// Reads: tables, local points, of mode per_edge the caller's rates. Writes: targets; kTessNotFinite where points are not.
+// Deterministic: each target is written once; the flag is the same whoever sets it.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "limn/tess_bindings.glsl"
+#include "limn/patch_tree.glsl"
+
+const uint kRowX = 0, kRowY = 4, kRowW = 8, kViewport = 12, kValue = 14, kGiven = 15;
+
+TessPoint edge_sample(uint edge, uint i) {
+    const uint word = edge_word(edge, 0);
+    const bool halves = (word & kRateEdgeHalves) != 0, second = halves && i > 2;
+    const uint row = side_row(word) + (second ? 1 : 0);
+    float u, v;
+    locate_on_row(row_word(row, 2), halves ? float(second ? i - 2 : i) * 0.5 : float(i) * 0.25, u, v);
+    const vec3 p = tree_point(params.tree, row_word(row, 1), u, v);
+    return TessPoint(p.x, p.y, p.z);
+}
+
+void main() {
+    const uint edge = global_invocation();
+    if (edge >= params.rate_edge_count) return;
+    float target = 0;
+    if (edge_word(edge, 0) != kNoRateEdge) {
+        RateCamera camera;
+        for (uint j = 0; j < 4; ++j) {
+            camera.row_x[j] = params.payload[kRowX + j];
+            camera.row_y[j] = params.payload[kRowY + j];
+            camera.row_w[j] = params.payload[kRowW + j];
+        }
+        camera.width = params.payload[kViewport];
+        camera.height = params.payload[kViewport + 1];
+        // Where the rate does not depend on the surface, the middle is looked at to see whether it is a number.
+        const bool looks = kMode != kRateUniform && kMode != kRatePerEdge;
+        TessPoint p[kRateSamples];
+        p[2] = edge_sample(edge, 2);
+        if (looks) {
+            for (uint i = 0; i < kRateSamples; ++i) p[i] = edge_sample(edge, i);
+        } else {
+            for (uint i = 0; i < kRateSamples; ++i) p[i] = p[2];
+        }
+        const float given =
+            kMode == kRatePerEdge ? SECOND(floatBitsToUint(params.payload[kGiven]) + edge) : 0.0;
+        target = measure_edge(kMode, params.payload[kValue], given, camera, p[0], p[1], p[2], p[3], p[4]);
+        for (uint i = 0; i < kRateSamples; ++i)
+            if (!is_finite_point(p[i])) state[kTessResultNotFinite] = 1;
+    }
+    state[kTessTargets + edge] = floatBitsToUint(target);
+}

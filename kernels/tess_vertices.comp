@@ -1,0 +1,139 @@
+// Vertices of a tessellation: what each has at its place (tess_params.h, kTessOutput...).
+// Corners: one invocation each. Rows and faces: kLanes invocations each, which take turns.
+// Reads: tables, offsets, rates, local points. Writes: each vertex once; of them those within the slice that is bound.
+// Deterministic. kMode: the domain.
+// Payload: 0, 1: base and stride of the output; 2, 3: of the second; 4, 5: vertices of the slice, first and end, 6: width;
+// 7 to 10: TreeOffsets of the channel that tangents follow, or kNoFace
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "limn/tess_bindings.glsl"
+#include "limn/patch_tree.glsl"
+
+layout(std430, binding = kTessOutBinding) writeonly buffer Out { float first_out[]; };
+layout(std430, binding = kTessOutBinding) writeonly buffer OutWords { uint first_out_words[]; };
+layout(std430, binding = kTessOut2Binding) writeonly buffer Out2 { float second_out[]; };
+
+uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
+
+void load_second_leaf(Leaf leaf, out vec4 points[16]) {
+    const uvec4 low = WORD_GROUP(leaf.first_word), high = WORD_GROUP(leaf.first_word + 1);
+    [[unroll]] for (uint k = 0; k < 8; ++k) {
+        const uint word = k < 4 ? low[k] : high[k - 4];
+        points[2 * k] = SECOND_LOCAL(leaf.first_local + (word & 0xffffu));
+        points[2 * k + 1] = SECOND_LOCAL(leaf.first_local + (word >> 16));
+    }
+}
+
+// The direction in which the first texture coordinate grows, at right angles to the normal; w: whether the second one grows
+// along cross(normal, tangent), 1, or against it, -1.
+vec4 tangent_at(uint face, float u, float v, vec3 du, vec3 dv, vec3 normal) {
+    vec3 along = du;
+    float turned = 1;
+    if (payload(7) != kNoFace) {
+        const Leaf leaf = find_leaf(TreeOffsets(payload(7), payload(8), payload(9), payload(10)), face, u, v);
+        vec4 points[16], value, s, t;
+        load_second_leaf(leaf, points);
+        evaluate_leaf(leaf, points, value, s, t);
+        const float area = s.x * t.y - t.x * s.y;
+        turned = area < 0 ? -1 : 1;
+        if (area != 0) along = turned * (du * t.y - dv * s.y);
+    }
+    along -= dot(along, normal) * normal;
+    const float square = dot(along, along);
+    if (square > 0) return vec4(along * inversesqrt(square), turned);
+    const vec3 other = abs(normal.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+    return vec4(normalize(cross(normal, other)), turned);
+}
+
+void store(uint vertex, Leaf leaf, vec4 points[16], uint face, float u, float v) {
+    const uint at = payload(0) + (vertex - payload(4)) * payload(1);
+    if (kOutput == kTessOutputPlace) {
+        first_out_words[at] = face;
+        first_out[at + 1] = u;
+        first_out[at + 2] = v;
+        first_out_words[at + 3] = leaf.kind | leaf.level << 8;
+        return;
+    }
+    vec4 value, du, dv;
+    evaluate_leaf(leaf, points, value, du, dv);
+    if (kOutput == kTessOutputValue) {
+        const uint width = payload(6);
+        first_out[at] = value.x;
+        if (width > 1) first_out[at + 1] = value.y;
+        if (width > 2) first_out[at + 2] = value.z;
+        if (width > 3) first_out[at + 3] = value.w;
+        return;
+    }
+    vec3 normal = unit_normal(du.xyz, dv.xyz);
+    // Where tangents span no plane (collapsed edges, cusps), the normal is that of a place further inside.
+    vec3 across = cross(du.xyz, dv.xyz);
+    for (uint attempt = 0; attempt < 1 && !(dot(across, across) > 0); ++attempt) {
+        const float middle = kTriangles != 0 ? 1.0 / 3.0 : 0.5;
+        const Leaf inner = find_leaf(params.tree, face, mix(u, middle, 0.25), mix(v, middle, 0.25));
+        vec4 inner_points[16], other, inner_du, inner_dv;
+        load_leaf(inner, inner_points);
+        evaluate_leaf(inner, inner_points, other, inner_du, inner_dv);
+        normal = unit_normal(inner_du.xyz, inner_dv.xyz);
+        across = vec3(1);
+    }
+    if (kOutput == kTessOutputTangent) {
+        const vec4 tangent = tangent_at(face, u, v, du.xyz, dv.xyz, normal);
+        first_out[at] = tangent.x;
+        first_out[at + 1] = tangent.y;
+        first_out[at + 2] = tangent.z;
+        first_out[at + 3] = tangent.w;
+        return;
+    }
+    first_out[at] = value.x;
+    first_out[at + 1] = value.y;
+    first_out[at + 2] = value.z;
+    const uint second_at = payload(2) + (vertex - payload(4)) * payload(3);
+    second_out[second_at] = normal.x;
+    second_out[second_at + 1] = normal.y;
+    second_out[second_at + 2] = normal.z;
+}
+
+void emit(uint vertex, uint face, float u, float v) {
+    const Leaf leaf = find_leaf(params.tree, face, u, v);
+    vec4 points[16];
+    if (kOutput != kTessOutputPlace) load_leaf(leaf, points);
+    store(vertex, leaf, points, face, u, v);
+}
+
+uint rate_of(uint edge) { return state[rates_at() + edge]; }
+#include "limn/tess_counts.glsl"
+
+// Of vertices [begin, end) those within the slice.
+uint first_turn(uint begin, uint lane) { return begin >= payload(4) ? lane : payload(4) - begin + lane; }
+uint turn_end(uint begin, uint end) { return min(end, max(payload(5), begin)) - begin; }
+
+void main() {
+    const uint invocation = global_invocation();
+    if (is_empty()) return;
+    if (kMode == kTessCorners) {
+        if (invocation >= params.corner_count || invocation < payload(4) || invocation >= payload(5)) return;
+        const uint at = params.table.corners + kTessCornerWords * invocation, place = WORD(at + 1);
+        emit(invocation, WORD(at), float(place & 3) * 0.5, float(place >> 2) * 0.5);
+        return;
+    }
+    const uint item = invocation / kLanes, lane = invocation % kLanes;
+    if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
+    const uint offset_at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
+    const uint begin = state[offset_at], end = state[offset_at + 2];
+    if (begin == end) return;
+    if (kMode == kTessRows) {
+        const uint rate = rate_of(row_word(item, 0)), face = row_word(item, 1), place = row_word(item, 2);
+        for (uint i = first_turn(begin, lane); i < turn_end(begin, end); i += kLanes) {
+            float u, v;
+            locate_on_row(place, point_on_side(rate, kFractional, i + 1), u, v);
+            emit(begin + i, face, u, v);
+        }
+    } else {
+        const TessPattern pattern = pattern_of(item);
+        for (uint i = first_turn(begin, lane); i < turn_end(begin, end); i += kLanes) {
+            float u, v;
+            locate_inner_vertex(pattern, i, u, v);
+            emit(begin + i, item, u, v);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+// How tables get into device memory. Not part of the public interface.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "limn/vulkan/buffer.h"
+
+namespace limn::vk {
+
+/// A device buffer, and where the host writes its contents: through `staging` where it is not mapped. The copy, with a
+/// barrier to kernel reads, is recorded.
+inline Result<std::pair<Buffer, void*>> create_table_buffer(const Device& device, VkCommandBuffer command_buffer,
+                                                            VkDeviceSize size_bytes, std::vector<Buffer>& staging) {
+    size_bytes = std::max<VkDeviceSize>(size_bytes, 16);
+    auto buffer = create_buffer(device, size_bytes, kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    void* words = buffer->mapped();
+    if (words == nullptr) {
+        auto upload = create_buffer(device, size_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::upload);
+        if (!upload) return upload.error();
+        words = upload->mapped();
+        const VkBufferCopy region = {0, 0, size_bytes};
+        device.functions.CmdCopyBuffer(command_buffer, upload->handle, buffer->handle, 1, &region);
+        record_barrier(device, command_buffer, kCopyWrites, kKernelReads);
+        staging.push_back(std::move(*upload));
+    }
+    return std::pair(std::move(*buffer), words);
+}
+
+/// An array of a table, and the word that it will begin at.
+struct TableSection {
+    const void* data;
+    size_t bytes;
+    uint32_t* offset;
+};
+template <class Array>
+TableSection section_of(const Array& array, uint32_t& offset) {
+    return {array.data(), array.bytes(), &offset};
+}
+
+/// One buffer for all sections, each from a multiple of four words. Errors: too_large, and as create_buffer.
+inline Result<Buffer> record_sections_upload(const Device& device, VkCommandBuffer command_buffer,
+                                             std::span<const TableSection> sections, std::vector<Buffer>& staging) {
+    uint64_t words = 0;
+    for (const TableSection& s : sections) {
+        *s.offset = static_cast<uint32_t>(words);
+        words += (s.bytes + 15) / 16 * 4;
+    }
+    if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a table of 2^32 words or more"};
+    auto buffer = create_table_buffer(device, command_buffer, words * 4, staging);
+    if (!buffer) return buffer.error();
+    for (const TableSection& s : sections)
+        if (s.bytes != 0) std::memcpy(static_cast<uint32_t*>(buffer->second) + *s.offset, s.data, s.bytes);
+    return std::move(buffer->first);
+}
+
+/// Records, submits where there is something to copy, and waits.
+template <class Record>
+auto upload_and_wait(const Device& device, const Record& record) -> Result<decltype(record(VkCommandBuffer{})->table)> {
+    auto commands = Commands::begin(device);
+    if (!commands) return commands.error();
+    auto upload = record(commands->handle());
+    if (!upload) return upload.error();
+    const bool copies = std::any_of(upload->staging.begin(), upload->staging.end(),
+                                    [](const Buffer& b) { return b.handle != VK_NULL_HANDLE; });
+    if (copies)
+        if (auto submitted = commands->submit_and_wait(); !submitted) return submitted.error();
+    return std::move(upload->table);
+}
+
+}  // namespace limn::vk

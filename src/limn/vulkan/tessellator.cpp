@@ -1,0 +1,601 @@
+#include "limn/vulkan/tessellator.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "limn/vulkan/recording.h"
+#include "limn/vulkan/surface_evaluator.h"
+#include "limn/vulkan/tessellator_kernels.h"
+
+namespace limn::vk {
+namespace {
+
+using shared::TessParams;
+using Dispatch = Recording::Dispatch;
+using Stage = std::vector<Dispatch>;  ///< dispatches that need no barrier between them
+
+constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
+                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kFloatGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
+
+Error bad(const char* message) {
+    return {ErrorCode::invalid_argument, message};
+}
+
+Result<void> check_points(const PointBuffer& points, uint32_t width, bool optional) {
+    if (points.buffer == VK_NULL_HANDLE) return optional ? Result<void>{} : bad("a buffer of points is null");
+    if (points.stride < width) return bad("points overlap: their stride is less than their width");
+    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
+    return {};
+}
+Result<void> check_words(const WordBuffer& words, bool optional) {
+    if (words.buffer == VK_NULL_HANDLE && !optional) return bad("a buffer is null");
+    if (words.offset_bytes % 4 != 0) return bad("the offset of a buffer is not a multiple of 4");
+    return {};
+}
+
+Result<void> check(const TessellationInfo& info) {
+    if (info.patches == nullptr || info.table == nullptr) return bad("there are no tables to tessellate");
+    if (info.table->face_count != info.patches->ptex_count) return bad("the tables are of different meshes");
+    const std::pair<const PointBuffer*, uint32_t> outputs[] = {
+        {&info.normals, 3}, {&info.places, 4}, {&info.tangents, 4}, {&info.previous_points, 3},
+        {&info.previous_positions, 3}};
+    for (const auto& [points, width] : outputs)
+        if (auto checked = check_points(*points, width, true); !checked) return checked;
+    for (const PointBuffer* points : {&info.points, &info.positions})
+        if (auto checked = check_points(*points, 3, false); !checked) return checked;
+    if ((info.previous_points.buffer == VK_NULL_HANDLE) != (info.previous_positions.buffer == VK_NULL_HANDLE))
+        return bad("previous points and positions go together");
+    for (const WordBuffer* words : {&info.indices, &info.command})
+        if (auto checked = check_words(*words, false); !checked) return checked;
+    for (const WordBuffer* words : {&info.triangle_faces, &info.result})
+        if (auto checked = check_words(*words, true); !checked) return checked;
+    if (auto checked = check_words(info.edge_rates, info.mode != RateMode::per_edge); !checked) return checked;
+    bool has_tangent_channel = false;
+    for (const TessellatedChannel& channel : info.channels) {
+        if (channel.patches == nullptr || channel.channel >= info.table->channels.size())
+            return bad("there is no such channel");
+        if (channel.width < 1 || channel.width > 4) return bad("a channel has 1 to 4 components");
+        if (auto checked = check_points(channel.points, channel.width, false); !checked) return checked;
+        if (auto checked = check_points(channel.values, channel.width, true); !checked) return checked;
+        has_tangent_channel |= channel.channel == info.tangent_channel && channel.width >= 2;
+    }
+    if (info.tangents.buffer != VK_NULL_HANDLE && info.tangent_channel != ~0u && !has_tangent_channel)
+        return bad("tangents follow a channel of two components or more, which has to be among the channels");
+    return {};
+}
+
+/// The camera's place in homogeneous coordinates: what all of x, y and w of clip space are zero at. w is 1, or 0 for
+/// one that is infinitely far, towards which xyz then point.
+std::array<float, 4> find_eye(const Camera& camera) {
+    double m[3][4];
+    for (int j = 0; j < 4; ++j) {
+        m[0][j] = camera.matrix[4 * j];
+        m[1][j] = camera.matrix[4 * j + 1];
+        m[2][j] = camera.matrix[4 * j + 3];
+    }
+    std::array<double, 4> eye = {};
+    for (int i = 0; i < 4; ++i) {
+        int c[3], count = 0;
+        for (int j = 0; j < 4; ++j)
+            if (j != i) c[count++] = j;
+        const double minor = m[0][c[0]] * (m[1][c[1]] * m[2][c[2]] - m[1][c[2]] * m[2][c[1]]) -
+                             m[0][c[1]] * (m[1][c[0]] * m[2][c[2]] - m[1][c[2]] * m[2][c[0]]) +
+                             m[0][c[2]] * (m[1][c[0]] * m[2][c[1]] - m[1][c[1]] * m[2][c[0]]);
+        eye[static_cast<size_t>(i)] = i % 2 == 0 ? minor : -minor;
+    }
+    const double length = std::hypot(eye[0], eye[1], eye[2]);
+    double scale = 1;
+    if (std::abs(eye[3]) > 1e-12 * length) {
+        scale = 1 / eye[3];
+    } else {
+        eye[3] = 0;
+        double depth = 0;  // what is nearer has the smaller z
+        for (int j = 0; j < 3; ++j) depth += camera.matrix[4 * j + 2] * eye[static_cast<size_t>(j)];
+        scale = (depth > 0 ? -1 : 1) / (length > 0 ? length : 1);
+    }
+    std::array<float, 4> out = {};
+    for (size_t i = 0; i < 4; ++i) out[i] = static_cast<float>(eye[i] * scale);
+    return out;
+}
+
+void set_camera(const Camera& camera, float* payload) {
+    for (int j = 0; j < 4; ++j) {
+        payload[j] = camera.matrix[4 * j];
+        payload[4 + j] = camera.matrix[4 * j + 1];
+        payload[8 + j] = camera.matrix[4 * j + 3];
+    }
+}
+
+float word(uint32_t value) {
+    return std::bit_cast<float>(value);
+}
+
+}  // namespace
+
+struct Tessellation::State {
+    Recording sets;
+    Buffer words;                        ///< limn/shared/tess_params.h
+    std::vector<Buffer> local;           ///< of vertices, channels, the last frame
+    std::vector<SurfaceEvaluation> local_points;
+    Dispatch begin = {}, targets = {}, drawn = {};
+    std::vector<Stage> rates;  ///< from targets and drawn faces to offsets
+    Stage vertices, triangles, copies;
+    RateMode mode = RateMode::uniform;
+    TessellationSpacing spacing = TessellationSpacing::integer;
+    bool cull_outside = false, cull_backfaces = false;
+    uint32_t max_rate = 0;
+
+    const Device& device() const { return *sets.device; }
+    void record_local(VkCommandBuffer commands) const;
+    void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
+};
+
+Tessellation::Tessellation() : state_(std::make_unique<State>()) {}
+Tessellation::Tessellation(Tessellation&&) noexcept = default;
+Tessellation& Tessellation::operator=(Tessellation&&) noexcept = default;
+Tessellation::~Tessellation() = default;
+VkDeviceSize Tessellation::state_bytes() const {
+    VkDeviceSize sum = state_->words.size_bytes;
+    for (const Buffer& buffer : state_->local) sum += buffer.size_bytes;
+    return sum;
+}
+VkBuffer Tessellation::state_buffer() const {
+    return state_->words.handle;
+}
+
+void Tessellation::State::record_local(VkCommandBuffer commands) const {
+    const StageAccess both = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+    record_barrier(device(), commands, both, both);  // after what was recorded of it before
+    for (const SurfaceEvaluation& points : local_points) points.record(commands);
+}
+
+/// With a barrier behind it.
+void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const {
+    sets.record(commands, stage);
+    record_barrier(device(), commands, kKernelWrites,
+                   {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT});
+}
+
+Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& given) const {
+    const State& s = *state_;
+    RateSettings settings = given;
+    settings.mode = s.mode;
+    settings.spacing = s.spacing;
+    settings.cull_outside = s.cull_outside;
+    settings.cull_backfaces = s.cull_backfaces;
+    Result<void> checked = check_rate_settings(settings);
+    if (checked && settings.max_rate > s.max_rate)
+        checked = bad("the largest rate is larger than that which the patch trees were built for");
+    const auto patched = [&](const Dispatch& dispatch, const auto& change) {
+        Dispatch copy = dispatch;
+        TessParams params;
+        std::memcpy(&params, copy.push_constants.data(), sizeof(params));
+        params.max_rate = settings.max_rate;
+        change(params.payload);
+        std::memcpy(copy.push_constants.data(), &params, sizeof(params));
+        return copy;
+    };
+    s.record_local(command_buffer);
+    const uint32_t status = checked ? shared::kTessComplete : shared::kTessBadSettings;
+    const Dispatch begin = patched(s.begin, [&](float* payload) { payload[3] = word(status); });
+    s.record_stage(command_buffer, {&begin, 1});
+    const Dispatch targets = patched(s.targets, [&](float* payload) {
+        set_camera(settings.camera, payload);
+        payload[12] = settings.camera.width;
+        payload[13] = settings.camera.height;
+        payload[14] = settings.value;
+    });
+    s.record_stage(command_buffer, {&targets, 1});
+    const Dispatch drawn = patched(s.drawn, [&](float* payload) {
+        set_camera(settings.camera, payload);
+        const auto eye = find_eye(settings.camera);
+        std::copy(eye.begin(), eye.end(), payload + 12);
+        payload[16] = settings.bound;
+    });
+    s.record_stage(command_buffer, {&drawn, 1});
+    for (const Stage& stage : s.rates) {
+        Stage copies = stage;
+        for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
+        s.record_stage(command_buffer, copies);
+    }
+    s.sets.record(command_buffer, s.triangles);
+    s.sets.record(command_buffer, s.vertices);
+    if (!s.copies.empty()) {
+        record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
+        s.sets.record(command_buffer, s.copies);
+    }
+    return checked;
+}
+
+void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
+    const State& s = *state_;
+    s.record_local(command_buffer);
+    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
+    s.sets.record(command_buffer, s.vertices);
+    if (s.copies.empty()) return;
+    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
+    s.sets.record(command_buffer, s.copies);
+}
+
+struct Tessellator::State {
+    const Device* device = nullptr;
+    SurfaceEvaluator surfaces;
+    Kernel kernels[kTessKernelCount];
+    bool texel = false;
+    std::mutex mutex;  // guards pipelines
+    std::map<std::pair<TessKernel, std::array<uint32_t, 5>>, VkPipeline> pipelines;
+
+    explicit State(SurfaceEvaluator evaluator) : surfaces(std::move(evaluator)) {}
+    ~State() {
+        for (const auto& [key, pipeline] : pipelines)
+            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
+    }
+    Result<VkPipeline> pipeline(TessKernel name, const std::array<uint32_t, 5>& constants) {
+        const std::lock_guard lock(mutex);
+        VkPipeline& pipeline = pipelines[{name, constants}];
+        if (pipeline == VK_NULL_HANDLE) {
+            auto created = create_pipeline(kernels[name], constants);
+            if (!created) return created.error();
+            pipeline = *created;
+        }
+        return pipeline;
+    }
+};
+
+Tessellator::Tessellator() = default;
+Tessellator::Tessellator(Tessellator&&) noexcept = default;
+Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
+Tessellator::~Tessellator() = default;
+
+Result<Tessellator> Tessellator::create(const Device& device) {
+    auto surfaces = SurfaceEvaluator::create(device);
+    if (!surfaces) return surfaces.error();
+    Tessellator tessellator;
+    tessellator.state_ = std::make_unique<State>(std::move(*surfaces));
+    State& state = *tessellator.state_;
+    state.device = &device;
+    state.texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+                  device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+    std::vector<VkDescriptorType> bindings(shared::kTessBindingCount, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+    if (state.texel)
+        for (const uint32_t b : {shared::kTessWordsBinding, shared::kTessWordGroupsBinding, shared::kTessLocalBinding,
+                                 shared::kTessSecondBinding})
+            bindings[b] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    for (uint32_t k = 0; k < kTessKernelCount; ++k) {
+        auto kernel = create_kernel(device, {tess_kernel_spirv(static_cast<TessKernel>(k), state.texel), bindings,
+                                             sizeof(TessParams)});
+        if (!kernel) return kernel.error();
+        state.kernels[k] = std::move(*kernel);
+    }
+    return tessellator;
+}
+
+/// Per-vertex outputs of one dispatch: one or two.
+struct VertexOutput {
+    uint32_t output;
+    PointBuffer first;
+    uint32_t first_width;
+    PointBuffer second = {};
+    uint32_t second_width = 0;
+    uint32_t source = 0;  ///< which local points
+    shared::TreeOffsets trees = {};
+    uint32_t tangent_source = ~0u;
+    shared::TreeOffsets tangent_trees = {};
+};
+
+/// Builds the dispatches of one tessellation.
+struct TessellationPreparation {
+    Tessellator::State& tessellator;
+    const TessellationInfo& info;
+    Tessellation::State& out;
+    uint32_t lanes_of_faces, lanes_of_rows;
+    std::vector<VkDeviceSize> local_bytes = {};
+
+    const Device& device() const { return *tessellator.device; }
+    const DeviceTessellationTable& table() const { return *info.table; }
+
+    BoundBuffer read(VkBuffer buffer, VkDeviceSize bytes, VkFormat format) const {
+        return {buffer, 0, bytes,
+                tessellator.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
+    }
+    /// `bytes` from byte `begin` of a buffer that is written; `base` is where they begin, in words of what is bound.
+    BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t bytes, uint32_t& base) const {
+        const uint64_t alignment = std::max<uint64_t>(4, device().properties.limits.minStorageBufferOffsetAlignment);
+        const uint64_t aligned = begin - begin % alignment;
+        base = static_cast<uint32_t>((begin - aligned) / 4);
+        return {buffer, aligned, begin + bytes - aligned, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    BoundBuffer state_words() const {
+        return {out.words.handle, 0, out.words.size_bytes, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    BoundBuffer local(uint32_t source) const {
+        return read(out.local[source].handle, local_bytes[source], kFloatGroups);
+    }
+
+    Result<VkDescriptorSet> add_set(const BoundBuffer& local_points, const BoundBuffer& second, const BoundBuffer& first_out,
+                                    const BoundBuffer& second_out) {
+        const VkDeviceSize bytes = table().words.size_bytes;
+        const BoundBuffer buffers[] = {read(table().words.handle, bytes, kWords),
+                                       read(table().words.handle, bytes, kWordGroups),
+                                       local_points,
+                                       second,
+                                       state_words(),
+                                       first_out,
+                                       second_out};
+        const VkPhysicalDeviceLimits& limits = device().properties.limits;
+        for (const BoundBuffer& b : buffers) {
+            const uint64_t element = b.format == kWordGroups || b.format == kFloatGroups ? 16 : 4;
+            const uint64_t most = b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                      ? limits.maxStorageBufferRange
+                                      : limits.maxTexelBufferElements * element;
+            if (b.size_bytes > most)
+                return Error{ErrorCode::unsupported, "a tessellation needs " + std::to_string(b.size_bytes) +
+                                                         " bytes of one buffer at once, and the device binds " +
+                                                         std::to_string(most)};
+        }
+        return out.sets.add_set(tessellator.kernels[0].set_layout, buffers);
+    }
+
+    TessParams params(const shared::TreeOffsets& trees) const {
+        TessParams p = {};
+        p.tree = trees;
+        p.table = table().offsets;
+        p.face_count = table().face_count;
+        p.row_count = table().row_count;
+        p.corner_count = table().corner_count;
+        p.rate_edge_count = table().rate_edge_count;
+        p.max_rate = out.max_rate;
+        p.payload[1] = word(info.vertex_capacity);
+        p.payload[2] = word(info.triangle_capacity);
+        return p;
+    }
+    Result<Dispatch> dispatch(TessKernel kernel, VkDescriptorSet set, uint64_t invocations, const TessParams& p,
+                              uint32_t mode = 0, uint32_t output = 0, uint32_t lanes = 1) {
+        auto pipeline = tessellator.pipeline(
+            kernel, {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output, lanes});
+        if (!pipeline) return pipeline.error();
+        const uint64_t groups = (invocations - 1) / shared::kTessWorkgroupSize + 1;
+        return out.sets.make_dispatch(*pipeline, set, groups, p);
+    }
+
+    Result<void> add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees, const PointBuffer& points,
+                           uint32_t width);
+    Result<void> add_rates();
+    Result<void> add_triangles();
+    Result<void> add_output(const VertexOutput& output);
+    Result<void> add_outputs();
+    Result<void> add_copies(const PointBuffer& positions);
+};
+
+Result<void> TessellationPreparation::add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees,
+                                    const PointBuffer& points, uint32_t width) {
+    const VkDeviceSize bytes = std::max<VkDeviceSize>(VkDeviceSize{trees.local_count} * 16, 16);
+    auto buffer = create_buffer(device(), bytes, kPointUsage, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    local_bytes.push_back(bytes);
+    auto grid = tessellator.surfaces.prepare_grid({.patches = &patches,
+                                                   .grid = &trees.local_points,
+                                                   .width = width,
+                                                   .points = points,
+                                                   .values = {buffer->handle, 0, 0, 4}});
+    if (!grid) return grid.error();
+    out.local.push_back(std::move(*buffer));
+    out.local_points.push_back(std::move(*grid));
+    return {};
+}
+
+/// From points to where the vertices and triangles of each face begin.
+Result<void> TessellationPreparation::add_rates() {
+    const bool given = info.mode == RateMode::per_edge;
+    TessParams p = params(table().vertices.offsets);
+    BoundBuffer second = local(0);
+    if (given) {
+        const uint64_t alignment =
+            tessellator.texel ? std::max<uint64_t>(4, device().properties.limits.minTexelBufferOffsetAlignment)
+                              : device().properties.limits.minStorageBufferOffsetAlignment;
+        const uint64_t begin = info.edge_rates.offset_bytes, aligned = begin - begin % std::max<uint64_t>(alignment, 16);
+        second = read(info.edge_rates.buffer, begin + 4ull * table().rate_edge_count - aligned, kFloats);
+        second.offset_bytes = aligned;
+        p.payload[15] = word(static_cast<uint32_t>((begin - aligned) / 4));
+    }
+    uint32_t command = 0, result = shared::kNoFace;
+    const BoundBuffer command_out = write(info.command.buffer, info.command.offset_bytes, 20, command);
+    const BoundBuffer result_out = info.result.buffer != VK_NULL_HANDLE
+                                       ? write(info.result.buffer, info.result.offset_bytes, 16, result)
+                                       : state_words();
+    auto set = add_set(local(0), second, command_out, result_out);
+    if (!set) return set.error();
+    const uint64_t edges = table().rate_edge_count, faces = table().face_count,
+                   items = uint64_t{table().row_count} + faces;
+    Result<void> failed;
+    const auto add = [&](TessKernel kernel, uint64_t invocations, const TessParams& constants, uint32_t mode) {
+        auto made = dispatch(kernel, *set, std::max<uint64_t>(invocations, 1), constants, mode);
+        if (!made && failed) failed = made.error();
+        return made ? *made : Dispatch{};
+    };
+    out.begin = add(kTessBudgetKernel, 1, p, 0);
+    out.targets = add(kTessTargetKernel, edges, p, static_cast<uint32_t>(info.mode));
+    const uint32_t culling = (info.cull_outside ? shared::kTessCullOutside : 0) |
+                             (info.cull_backfaces ? shared::kTessCullBackfaces : 0);
+    out.drawn = add(kTessDrawnKernel, faces, p, culling);
+    p.payload[0] = info.mode == RateMode::screen_length || info.mode == RateMode::pixel_error ||
+                   info.mode == RateMode::chord_error;
+    p.payload[4] = word(command);
+    p.payload[5] = word(result);
+    if (info.fit_capacity)
+        for (const uint32_t mode : {1u, 2u}) {
+            out.rates.push_back({add(kTessTrialKernel, items, p, 0)});
+            out.rates.push_back({add(kTessBudgetKernel, 1, p, mode)});
+        }
+    out.rates.push_back({add(kTessRoundKernel, edges, p, 0)});
+    out.rates.push_back({add(kTessCountKernel, items, p, 0)});
+    out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
+    out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
+    return failed;
+}
+
+/// How many elements of so many bytes are bound at once.
+static uint64_t slice_size(const Device& device, uint64_t element_bytes) {
+    return std::max<uint64_t>(1, (device.properties.limits.maxStorageBufferRange - 4096) / element_bytes);
+}
+
+Result<void> TessellationPreparation::add_triangles() {
+    const uint64_t slice = slice_size(device(), 12);
+    for (uint64_t first = 0; first == 0 || first < info.triangle_capacity; first += slice) {
+        const uint64_t count = std::min<uint64_t>(slice, info.triangle_capacity - first);
+        if (count == 0) break;
+        TessParams p = params(table().vertices.offsets);
+        uint32_t indices = 0, faces = 0;
+        const bool has_faces = info.triangle_faces.buffer != VK_NULL_HANDLE;
+        const BoundBuffer indices_out =
+            write(info.indices.buffer, info.indices.offset_bytes + 12 * first, 12 * count, indices);
+        const BoundBuffer faces_out =
+            has_faces ? write(info.triangle_faces.buffer, info.triangle_faces.offset_bytes + 4 * first, 4 * count, faces)
+                      : indices_out;
+        auto set = add_set(local(0), local(0), indices_out, faces_out);
+        if (!set) return set.error();
+        p.payload[0] = word(indices);
+        p.payload[2] = word(faces);
+        p.payload[4] = word(static_cast<uint32_t>(first));
+        p.payload[5] = word(static_cast<uint32_t>(first + count));
+        auto made = dispatch(kTessTrianglesKernel, *set, uint64_t{table().face_count} * lanes_of_faces, p, 0, has_faces,
+                             lanes_of_faces);
+        if (!made) return made.error();
+        out.triangles.push_back(*made);
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_output(const VertexOutput& output) {
+    const bool two = output.second.buffer != VK_NULL_HANDLE;
+    const uint64_t slice =
+        slice_size(device(), 4ull * std::max(output.first.stride, two ? output.second.stride : 1));
+    for (uint64_t first = 0; first < info.vertex_capacity; first += slice) {
+        const uint64_t end = std::min<uint64_t>(info.vertex_capacity, first + slice);
+        uint32_t first_base = 0, second_base = 0;
+        const auto bind = [&](const PointBuffer& points, uint32_t width, uint32_t& base) {
+            const uint64_t begin = points.offset_bytes + 4 * (points.first + first * points.stride);
+            return write(points.buffer, begin, 4 * ((end - first - 1) * points.stride + width), base);
+        };
+        const BoundBuffer first_out = bind(output.first, output.first_width, first_base);
+        const BoundBuffer second_out = two ? bind(output.second, output.second_width, second_base) : first_out;
+        const bool tangents = output.tangent_source != ~0u;
+        auto set = add_set(local(output.source), local(tangents ? output.tangent_source : output.source), first_out,
+                           second_out);
+        if (!set) return set.error();
+        TessParams p = params(output.trees);
+        const uint32_t payload[11] = {first_base,
+                                      output.first.stride,
+                                      second_base,
+                                      output.second.stride,
+                                      static_cast<uint32_t>(first),
+                                      static_cast<uint32_t>(end),
+                                      output.first_width,
+                                      tangents ? output.tangent_trees.ptex_surfaces : shared::kNoFace,
+                                      output.tangent_trees.surfaces,
+                                      output.tangent_trees.nodes,
+                                      output.tangent_trees.leaf_points};
+        for (int i = 0; i < 11; ++i) p.payload[i] = word(payload[i]);
+        const std::tuple<uint32_t, uint64_t, uint32_t> domains[] = {
+            {shared::kTessCorners, table().corner_count, 1},
+            {shared::kTessRows, table().row_count, lanes_of_rows},
+            {shared::kTessFaces, table().face_count, lanes_of_faces}};
+        for (const auto& [domain, count, lanes] : domains) {
+            if (count == 0) continue;
+            auto made = dispatch(kTessVerticesKernel, *set, count * lanes, p, domain, output.output, lanes);
+            if (!made) return made.error();
+            out.vertices.push_back(*made);
+        }
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_copies(const PointBuffer& positions) {
+    const uint32_t corners = table().corner_copy_count, rows = table().row_copy_count;
+    if (corners + rows == 0 || info.vertex_capacity == 0) return {};
+    uint32_t base = 0;
+    const BoundBuffer bound = write(positions.buffer, positions.offset_bytes + 4 * positions.first,
+                                    4 * ((uint64_t{info.vertex_capacity} - 1) * positions.stride + 3), base);
+    auto set = add_set(local(0), local(0), bound, bound);
+    if (!set) return set.error();
+    TessParams p = params(table().vertices.offsets);
+    p.payload[0] = word(base);
+    p.payload[1] = word(positions.stride);
+    const std::tuple<uint32_t, uint32_t, uint32_t, uint32_t> domains[] = {
+        {shared::kTessCorners, corners, 0, 1}, {shared::kTessRows, rows, corners, lanes_of_rows}};
+    for (const auto& [domain, count, first, lanes] : domains) {
+        if (count == 0) continue;
+        p.payload[7] = word(count);
+        p.payload[8] = word(first);
+        auto made = dispatch(kTessCopyKernel, *set, uint64_t{count} * lanes, p, domain, 0, lanes);
+        if (!made) return made.error();
+        out.copies.push_back(*made);
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_outputs() {
+    const shared::TreeOffsets& trees = table().vertices.offsets;
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
+    std::vector<VertexOutput> outputs = {{normals ? shared::kTessOutputNormal : shared::kTessOutputValue, info.positions,
+                                          3, info.normals, 3, 0, trees}};
+    if (info.places.buffer != VK_NULL_HANDLE)
+        outputs.push_back({shared::kTessOutputPlace, info.places, 4, {}, 0, 0, trees});
+    VertexOutput tangents = {shared::kTessOutputTangent, info.tangents, 4, {}, 0, 0, trees};
+    for (const TessellatedChannel& channel : info.channels) {
+        const DevicePatchTrees& own = table().channels[channel.channel];
+        if (auto added = add_local(*channel.patches, own, channel.points, channel.width); !added) return added;
+        const auto source = static_cast<uint32_t>(out.local.size() - 1);
+        if (channel.channel == info.tangent_channel) {
+            tangents.tangent_source = source;
+            tangents.tangent_trees = own.offsets;
+        }
+        if (channel.values.buffer != VK_NULL_HANDLE)
+            outputs.push_back(
+                {shared::kTessOutputValue, channel.values, channel.width, {}, 0, source, own.offsets});
+    }
+    if (info.tangents.buffer != VK_NULL_HANDLE) outputs.push_back(tangents);
+    if (info.previous_points.buffer != VK_NULL_HANDLE) {
+        if (auto added = add_local(*info.patches, table().vertices, info.previous_points, 3); !added) return added;
+        outputs.push_back({shared::kTessOutputValue, info.previous_positions, 3, {}, 0,
+                           static_cast<uint32_t>(out.local.size() - 1), trees});
+    }
+    for (const VertexOutput& output : outputs)
+        if (auto added = add_output(output); !added) return added;
+    if (auto added = add_copies(info.positions); !added) return added;
+    if (info.previous_points.buffer == VK_NULL_HANDLE) return {};
+    return add_copies(info.previous_positions);
+}
+
+Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
+    if (auto checked = check(info); !checked) return checked.error();
+    Tessellation tessellation;
+    Tessellation::State& out = *tessellation.state_;
+    const DeviceTessellationTable& table = *info.table;
+    out.sets.device = state_->device;
+    out.sets.layout = state_->kernels[0].layout;
+    out.sets.push_constant_bytes = sizeof(TessParams);
+    out.mode = info.mode;
+    out.spacing = info.spacing;
+    out.cull_outside = info.cull_outside;
+    out.cull_backfaces = info.cull_backfaces;
+    out.max_rate = table.max_rate;
+    const VkDeviceSize words =
+        4ull * shared::tess_state_words(table.rate_edge_count, table.face_count, table.row_count);
+    auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    out.words = std::move(*buffer);
+    // llvmpipe runs 8 invocations as one: with 8 a face, faces never wait for each other.
+    TessellationPreparation preparation{*state_, info, out, state_->texel ? 8u : 32u, 8u};
+    if (auto added = preparation.add_local(*info.patches, table.vertices, info.points, 3); !added) return added.error();
+    if (auto added = preparation.add_rates(); !added) return added.error();
+    if (auto added = preparation.add_triangles(); !added) return added.error();
+    if (auto added = preparation.add_outputs(); !added) return added.error();
+    return tessellation;
+}
+
+}  // namespace limn::vk

@@ -1,0 +1,122 @@
+// Adaptive tessellation on the device: from control points to an indexed triangle mesh and the command that draws it,
+// within one command buffer and without reading anything back. Faces share their vertices, so that the mesh is closed
+// by its indices wherever the control mesh is.
+#pragma once
+
+#include "limn/tessellate.h"
+#include "limn/vulkan/evaluator.h"
+#include "limn/vulkan/tessellation_tables.h"
+
+namespace limn::vk {
+
+/// 32-bit words in a buffer of the caller's, from offset_bytes on, a multiple of 4.
+struct WordBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0;
+};
+
+/// Values of a face-varying channel, `width` floats per vertex of the tessellation.
+struct TessellatedChannel {
+    uint32_t channel = 0;  ///< of DeviceTessellationTable::channels
+    const DevicePatchTable* patches = nullptr;
+    uint32_t width = 2;       ///< 1 to 4
+    PointBuffer points = {};  ///< of the channel, patches->point_count; kSourceUsage
+    PointBuffer values = {};  ///< optional: where there is none, the channel is for tangents alone
+};
+
+/// What to make. Per-vertex outputs are PointBuffers with room for vertex_capacity points; any of them may share a
+/// buffer with others, as long as they do not overlap. All but `points` need STORAGE_BUFFER usage. Optional ones have
+/// null buffers.
+struct TessellationInfo {
+    const DevicePatchTable* patches = nullptr;
+    const DeviceTessellationTable* table = nullptr;
+    PointBuffer points = {};  ///< patches->point_count points (SurfaceEvaluator::prepare_points); kSourceUsage
+    RateMode mode = RateMode::uniform;
+    TessellationSpacing spacing = TessellationSpacing::integer;
+    bool cull_outside = false;    ///< as RateSettings
+    bool cull_backfaces = false;
+    WordBuffer edge_rates = {};  ///< of mode per_edge: a float for each rate edge; kSourceUsage
+
+    uint32_t vertex_capacity = 0;
+    uint32_t triangle_capacity = 0;
+    /// Where more would be needed, scale all rates down by the largest factor that fits.
+    bool fit_capacity = true;
+
+    PointBuffer positions = {};
+    PointBuffer normals = {};  ///< optional: unit normals
+    PointBuffer places = {};   ///< optional, 4 words: ptex face, u and v (floats), kind of leaf | its level << 8
+    PointBuffer tangents = {};  ///< optional, 4 floats: unit tangent, and the sign of the bitangent
+    /// The channel, of `channels`, whose first coordinate tangents follow; none: they follow u of the ptex face.
+    uint32_t tangent_channel = ~uint32_t{0};
+    std::span<const TessellatedChannel> channels;
+    PointBuffer previous_points = {};     ///< optional, as `points`: those of the last frame
+    PointBuffer previous_positions = {};  ///< where the vertices would have been then
+
+    WordBuffer indices = {};         ///< 3 * triangle_capacity words
+    WordBuffer triangle_faces = {};  ///< optional: triangle_capacity words, the ptex face of each triangle
+    WordBuffer command = {};         ///< one VkDrawIndexedIndirectCommand
+    WordBuffer result = {};          ///< optional: a TessellationResult
+};
+
+enum class TessellationStatus : uint32_t {
+    complete = shared::kTessComplete,
+    scaled = shared::kTessScaled,         ///< rates were scaled down to fit the capacity
+    too_small = shared::kTessTooSmall,    ///< nothing is drawn: not even the least rates fit, or fitting is off
+    not_finite = shared::kTessNotFinite,  ///< nothing is drawn: a control point is no number
+    bad_settings = shared::kTessBadSettings,  ///< nothing is drawn: record returned an error
+};
+struct TessellationResult {
+    TessellationStatus status;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    float rate_scale;
+};
+
+/// A tessellation with all that it needs bound, and memory of its own for what lies between (state_bytes). To be
+/// recorded as often as wanted, but executed by one queue at a time. The tables and buffers must outlive it.
+class Tessellation {
+  public:
+    Tessellation(Tessellation&&) noexcept;
+    Tessellation& operator=(Tessellation&&) noexcept;
+    ~Tessellation();
+
+    /// Rates, indices, the draw command, and vertices. Mode, spacing and culling of the settings are those of the
+    /// TessellationInfo. Before: points visible to kKernelReads, earlier uses of the outputs done. Owed after: a barrier
+    /// from kKernelWrites to what reads them. With an error (check_rate_settings) the commands recorded draw nothing.
+    Result<void> record(VkCommandBuffer command_buffer, const RateSettings& settings) const;
+    /// Vertices alone, of the rates and indices that are there: for animation, and for refitting what refers to them.
+    void record_vertices(VkCommandBuffer command_buffer) const;
+
+    VkDeviceSize state_bytes() const;
+    /// Rates and which faces are drawn, as limn/shared/tess_params.h lays them out: for debugging and colours.
+    VkBuffer state_buffer() const;
+
+  private:
+    friend class Tessellator;
+    friend struct TessellationPreparation;
+    Tessellation();
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The pipelines of a device. Must outlive its tessellations; may be used by several threads at once.
+class Tessellator {
+  public:
+    /// Errors: out_of_memory, vulkan_failure.
+    static Result<Tessellator> create(const Device& device);
+    Tessellator(Tessellator&&) noexcept;
+    Tessellator& operator=(Tessellator&&) noexcept;
+    ~Tessellator();
+
+    /// Errors: invalid_argument (null, strides, offsets, channels), unsupported (more than the device can bind at once),
+    /// out_of_memory, vulkan_failure.
+    Result<Tessellation> prepare(const TessellationInfo& info) const;
+
+  private:
+    friend struct TessellationPreparation;
+    Tessellator();
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace limn::vk
