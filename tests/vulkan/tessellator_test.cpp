@@ -5,7 +5,10 @@
 #include <cstring>
 #include <numbers>
 #include <random>
+#include <set>
+#include <tuple>
 
+#include "limn/topology.h"
 #include "shapes/random_mesh.h"
 #include "vulkan/device_tessellation.h"
 
@@ -42,6 +45,27 @@ double degrees_between(const float* a, const double* b) {
     return std::acos(std::clamp(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
+/// Places at vertices where several faces meet at a corner that stays sharp: the surface has no normal there.
+std::set<std::tuple<uint32_t, double, double>> find_corners(const ControlMesh& mesh) {
+    const Topology base = build_topology(mesh);
+    const uint32_t own = base.options.scheme == Scheme::loop ? 3 : 4;
+    std::set<std::tuple<uint32_t, double, double>> corners;
+    uint32_t ptex = 0;
+    for (uint32_t f = 0; f < base.face_count; ++f) {
+        const uint32_t n = base.size_of_face(f);
+        for (uint32_t k = 0; k < n; ++k) {
+            double u = 0, v = 0;
+            if (n == own) shared::locate_on_side(own == 3, k, 0, u, v);
+            const uint32_t vertex = base.vertices_of_face(f)[k];
+            if (base.vertex_rules[vertex] == VertexRule::corner && base.corners_of_vertex(vertex).size() > 1)
+                corners.insert({ptex, u, v});
+            if (n != own) ++ptex;
+        }
+        if (n == own) ++ptex;
+    }
+    return corners;
+}
+
 /// Indices and faces are the host's; vertices are where they should be.
 void expect_as_on_host(const TessellatedShape& shape, TessellationSpacing spacing) {
     ASSERT_TRUE(shape.recorded);
@@ -55,6 +79,8 @@ void expect_as_on_host(const TessellatedShape& shape, TessellationSpacing spacin
     ASSERT_EQ(shape.indices, host.indices);
     ASSERT_EQ(shape.triangle_faces, host.triangle_faces);
     EXPECT_EQ(find_tessellation_fault(shape.mesh, shape.table, shape.rates, spacing, host), "");
+    if (host.places.empty()) return;  // the whole mesh is holes, as faces at boundaries that are not interpolated are
+    const auto corners = find_corners(shape.mesh);
     HostPoints positions{std::vector<double>(host.places.size() * 3)};
     std::vector<double> normals(positions.values.size()), derivatives(host.places.size() * 9);
     std::vector<SampleStatus> statuses(host.places.size());
@@ -72,6 +98,7 @@ void expect_as_on_host(const TessellatedShape& shape, TessellationSpacing spacin
         // Where tangents span no plane a normal is any unit vector.
         const double *u = &derivatives[9 * i + 3], *v = &derivatives[9 * i + 6];
         const double across = std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+        if (corners.count({host.places[i].face, host.places[i].u, host.places[i].v}) != 0) continue;
         if (across > 1e-3 * std::hypot(u[0], u[1], u[2]) * std::hypot(v[0], v[1], v[2]) &&
             std::min(std::hypot(u[0], u[1], u[2]), std::hypot(v[0], v[1], v[2])) > 1e-3 * shape.size) {
             ASSERT_LT(degrees_between(n, &normals[3 * i]), 0.1) << "vertex " << i << " of face " << host.places[i].face
