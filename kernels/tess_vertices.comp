@@ -38,9 +38,13 @@ vec4 tangent_at(uint face, float u, float v, vec3 du, vec3 dv, vec3 normal) {
         turned = area < 0 ? -1 : 1;
         if (area != 0) along = turned * (du * t.y - dv * s.y);
     }
+    const float whole = dot(along, along);
     along -= dot(along, normal) * normal;
     const float square = dot(along, along);
-    if (square > 0) return vec4(along * inversesqrt(square), turned);
+    if (square > 1e-8 * whole) {
+        along *= inversesqrt(square);
+        return vec4(normalize(along - dot(along, normal) * normal), turned);
+    }
     const vec3 other = abs(normal.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0);
     return vec4(normalize(cross(normal, other)), turned);
 }
