@@ -129,7 +129,6 @@ struct Tessellation::State {
     uint32_t max_rate = 0;
 
     const Device& device() const { return *sets.device; }
-    void record_local(VkCommandBuffer commands) const;
     void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
 };
 
@@ -146,13 +145,6 @@ VkBuffer Tessellation::state_buffer() const {
     return state_->words.handle;
 }
 
-void Tessellation::State::record_local(VkCommandBuffer commands) const {
-    const StageAccess both = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-    record_barrier(device(), commands, both, both);  // after what was recorded of it before
-    for (const SurfaceEvaluation& points : local_points) points.record(commands);
-}
-
 /// With a barrier behind it.
 void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const {
     sets.record(commands, stage);
@@ -160,7 +152,37 @@ void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const
                    {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT});
 }
 
-Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& given) const {
+void Tessellation::record_points(VkCommandBuffer command_buffer) const {
+    const State& s = *state_;
+    // After what was recorded of it before.
+    const StageAccess both = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+    record_barrier(s.device(), command_buffer, both, both);
+    for (const SurfaceEvaluation& points : s.local_points) points.record(command_buffer);
+    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
+}
+
+void Tessellation::record_triangles(VkCommandBuffer command_buffer) const {
+    state_->sets.record(command_buffer, state_->triangles);
+}
+
+void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
+    const State& s = *state_;
+    s.sets.record(command_buffer, s.vertices);
+    if (s.copies.empty()) return;
+    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
+    s.sets.record(command_buffer, s.copies);
+}
+
+Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& settings) const {
+    record_points(command_buffer);
+    auto recorded = record_rates(command_buffer, settings);
+    record_triangles(command_buffer);
+    record_vertices(command_buffer);
+    return recorded;
+}
+
+Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const RateSettings& given) const {
     const State& s = *state_;
     RateSettings settings = given;
     settings.mode = s.mode;
@@ -179,7 +201,6 @@ Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSett
         std::memcpy(copy.push_constants.data(), &params, sizeof(params));
         return copy;
     };
-    s.record_local(command_buffer);
     const uint32_t status = checked ? shared::kTessComplete : shared::kTessBadSettings;
     const Dispatch begin = patched(s.begin, [&](float* payload) { payload[3] = word(status); });
     s.record_stage(command_buffer, {&begin, 1});
@@ -202,23 +223,7 @@ Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSett
         for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
         s.record_stage(command_buffer, copies);
     }
-    s.sets.record(command_buffer, s.triangles);
-    s.sets.record(command_buffer, s.vertices);
-    if (!s.copies.empty()) {
-        record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
-        s.sets.record(command_buffer, s.copies);
-    }
     return checked;
-}
-
-void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
-    const State& s = *state_;
-    s.record_local(command_buffer);
-    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
-    s.sets.record(command_buffer, s.vertices);
-    if (s.copies.empty()) return;
-    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
-    s.sets.record(command_buffer, s.copies);
 }
 
 struct Tessellator::State {

@@ -80,11 +80,17 @@ class Tessellation {
     Tessellation& operator=(Tessellation&&) noexcept;
     ~Tessellation();
 
-    /// Rates, indices, the draw command, and vertices. Mode, spacing and culling of the settings are those of the
-    /// TessellationInfo. Before: points visible to kKernelReads, earlier uses of the outputs done. Owed after: a barrier
-    /// from kKernelWrites to what reads them. With an error (check_rate_settings) the commands recorded draw nothing.
+    /// A frame: all of the passes below. Mode, spacing and culling of the settings are those of the TessellationInfo.
+    /// Before: points visible to kKernelReads, earlier uses of the outputs done. Owed after: a barrier from kKernelWrites
+    /// to what reads them. With an error (check_rate_settings) the commands recorded draw nothing.
     Result<void> record(VkCommandBuffer command_buffer, const RateSettings& settings) const;
-    /// Vertices alone, of the rates and indices that are there: for animation, and for refitting what refers to them.
+
+    /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone keep the rates
+    /// and indices that are there: for animation, and for refitting what refers to the mesh.
+    void record_points(VkCommandBuffer command_buffer) const;  ///< local points of patches
+    Result<void> record_rates(VkCommandBuffer command_buffer,
+                              const RateSettings& settings) const;  ///< rates, counts, the command and the result
+    void record_triangles(VkCommandBuffer command_buffer) const;
     void record_vertices(VkCommandBuffer command_buffer) const;
 
     VkDeviceSize state_bytes() const;
