@@ -34,13 +34,12 @@ void main() {
         camera.height = params.payload[kViewport + 1];
         // Where the rate does not depend on the surface, the middle is looked at to see whether it is a number.
         const bool looks = kMode != kRateUniform && kMode != kRatePerEdge;
-        TessPoint p[kRateSamples];
-        p[2] = edge_sample(edge, 2);
-        if (looks) {
-            for (uint i = 0; i < kRateSamples; ++i) p[i] = edge_sample(edge, i);
-        } else {
-            for (uint i = 0; i < kRateSamples; ++i) p[i] = p[2];
+        TessPoint p[kRateSamples], middle;
+        for (uint i = looks ? 0 : 2; i < (looks ? kRateSamples : 3); ++i) {
+            p[i] = edge_sample(edge, i);
+            if (i == 2) middle = p[2];
         }
+        if (!looks) p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         const float given =
             kMode == kRatePerEdge ? SECOND(floatBitsToUint(params.payload[kGiven]) + edge) : 0.0;
         target = measure_edge(kMode, params.payload[kValue], given, camera, p[0], p[1], p[2], p[3], p[4]);

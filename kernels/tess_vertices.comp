@@ -49,17 +49,33 @@ vec4 tangent_at(uint face, float u, float v, vec3 du, vec3 dv, vec3 normal) {
     return vec4(normalize(cross(normal, other)), turned);
 }
 
-void store(uint vertex, Leaf leaf, vec4 points[16], uint face, float u, float v) {
+void store_place(uint at, uint face, float u, float v) {
+    const Leaf leaf = find_leaf(params.tree, face, u, v);
+    first_out_words[at] = face;
+    first_out[at + 1] = u;
+    first_out[at + 2] = v;
+    first_out_words[at + 3] = leaf.kind | leaf.level << 8;
+}
+
+void store(uint vertex, uint face, float u, float v) {
     const uint at = payload(0) + (vertex - payload(4)) * payload(1);
     if (kOutput == kTessOutputPlace) {
-        first_out_words[at] = face;
-        first_out[at + 1] = u;
-        first_out[at + 2] = v;
-        first_out_words[at + 3] = leaf.kind | leaf.level << 8;
+        store_place(at, face, u, v);
         return;
     }
     vec4 value, du, dv;
-    evaluate_leaf(leaf, points, value, du, dv);
+    vec3 across;
+    // Where tangents span no plane (collapsed edges, cusps), the normal is that of a place further inside.
+    for (uint attempt = 0; attempt < 2; ++attempt) {
+        const float middle = kTriangles != 0 ? 1.0 / 3.0 : 0.5, inwards = float(attempt) * 0.25;
+        const Leaf leaf = find_leaf(params.tree, face, mix(u, middle, inwards), mix(v, middle, inwards));
+        vec4 points[16], here;
+        load_leaf(leaf, points);
+        evaluate_leaf(leaf, points, here, du, dv);
+        if (attempt == 0) value = here;
+        across = cross(du.xyz, dv.xyz);
+        if (kOutput == kTessOutputValue || dot(across, across) > 0) break;
+    }
     if (kOutput == kTessOutputValue) {
         const uint width = payload(6);
         first_out[at] = value.x;
@@ -68,18 +84,7 @@ void store(uint vertex, Leaf leaf, vec4 points[16], uint face, float u, float v)
         if (width > 3) first_out[at + 3] = value.w;
         return;
     }
-    vec3 normal = unit_normal(du.xyz, dv.xyz);
-    // Where tangents span no plane (collapsed edges, cusps), the normal is that of a place further inside.
-    vec3 across = cross(du.xyz, dv.xyz);
-    for (uint attempt = 0; attempt < 1 && !(dot(across, across) > 0); ++attempt) {
-        const float middle = kTriangles != 0 ? 1.0 / 3.0 : 0.5;
-        const Leaf inner = find_leaf(params.tree, face, mix(u, middle, 0.25), mix(v, middle, 0.25));
-        vec4 inner_points[16], other, inner_du, inner_dv;
-        load_leaf(inner, inner_points);
-        evaluate_leaf(inner, inner_points, other, inner_du, inner_dv);
-        normal = unit_normal(inner_du.xyz, inner_dv.xyz);
-        across = vec3(1);
-    }
+    const vec3 normal = unit_normal(du.xyz, dv.xyz);
     if (kOutput == kTessOutputTangent) {
         const vec4 tangent = tangent_at(face, u, v, du.xyz, dv.xyz, normal);
         first_out[at] = tangent.x;
@@ -97,47 +102,46 @@ void store(uint vertex, Leaf leaf, vec4 points[16], uint face, float u, float v)
     second_out[second_at + 2] = normal.z;
 }
 
-void emit(uint vertex, uint face, float u, float v) {
-    const Leaf leaf = find_leaf(params.tree, face, u, v);
-    vec4 points[16];
-    if (kOutput != kTessOutputPlace) load_leaf(leaf, points);
-    store(vertex, leaf, points, face, u, v);
-}
-
 uint rate_of(uint edge) { return state[rates_at() + edge]; }
 #include "limn/tess_counts.glsl"
 
-// Of vertices [begin, end) those within the slice.
-uint first_turn(uint begin, uint lane) { return begin >= payload(4) ? lane : payload(4) - begin + lane; }
-uint turn_end(uint begin, uint end) { return min(end, max(payload(5), begin)) - begin; }
-
 void main() {
-    const uint invocation = global_invocation();
+    const uint invocation = global_invocation(), lanes = kMode == kTessCorners ? 1 : kLanes;
+    const uint item = invocation / lanes;
     if (is_empty()) return;
+    // The item's vertices [begin, end), and those of them within the slice.
+    uint begin = item, end = item + 1, face = item, place = 0, rate = 0;
+    TessPattern pattern;
     if (kMode == kTessCorners) {
-        if (invocation >= params.corner_count || invocation < payload(4) || invocation >= payload(5)) return;
-        const uint at = params.table.corners + kTessCornerWords * invocation, place = WORD(at + 1);
-        emit(invocation, WORD(at), float(place & 3) * 0.5, float(place >> 2) * 0.5);
-        return;
-    }
-    const uint item = invocation / kLanes, lane = invocation % kLanes;
-    if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
-    const uint offset_at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
-    const uint begin = state[offset_at], end = state[offset_at + 2];
-    if (begin == end) return;
-    if (kMode == kTessRows) {
-        const uint rate = rate_of(row_word(item, 0)), face = row_word(item, 1), place = row_word(item, 2);
-        for (uint i = first_turn(begin, lane); i < turn_end(begin, end); i += kLanes) {
-            float u, v;
-            locate_on_row(place, point_on_side(rate, kFractional, i + 1), u, v);
-            emit(begin + i, face, u, v);
-        }
+        if (item >= params.corner_count) return;
+        const uint at = params.table.corners + kTessCornerWords * item;
+        face = WORD(at);
+        place = WORD(at + 1);
     } else {
-        const TessPattern pattern = pattern_of(item);
-        for (uint i = first_turn(begin, lane); i < turn_end(begin, end); i += kLanes) {
-            float u, v;
-            locate_inner_vertex(pattern, i, u, v);
-            emit(begin + i, item, u, v);
+        if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
+        const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
+        begin = state[at];
+        end = state[at + 2];
+        if (begin == end) return;
+        if (kMode == kTessRows) {
+            rate = rate_of(row_word(item, 0));
+            face = row_word(item, 1);
+            place = row_word(item, 2);
+        } else {
+            pattern = pattern_of(item);
         }
+    }
+    const uint first = max(begin, payload(4)), last = min(end, payload(5));
+    for (uint vertex = first + invocation % lanes; vertex < last; vertex += lanes) {
+        float u, v;
+        if (kMode == kTessCorners) {
+            u = float(place & 3) * 0.5;
+            v = float(place >> 2) * 0.5;
+        } else if (kMode == kTessRows) {
+            locate_on_row(place, point_on_side(rate, kFractional, vertex - begin + 1), u, v);
+        } else {
+            locate_inner_vertex(pattern, vertex - begin, u, v);
+        }
+        store(vertex, face, u, v);
     }
 }

@@ -16,6 +16,9 @@
 namespace limn::shared {
 using real = double;  // the CPU reference; kernels compute in float
 using std::sqrt;
+inline bool is_finite_number(real x) {
+    return std::isfinite(x);
+}
 }
 /// Fails to compile unless C++ lays T out in `bytes` bytes of 32-bit members, as std430 does.
 #define LIMN_LAYOUT(T, bytes) \
@@ -28,6 +31,10 @@ using std::sqrt;
 #define LIMN_INOUT(T) inout T
 #define real float
 #define LIMN_LAYOUT(T, bytes)
+// By its bits: compilers of shaders may take it that no number is NaN.
+bool is_finite_number(float x) {
+    return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u;
+}
 #endif
 
 #endif

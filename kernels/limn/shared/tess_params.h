@@ -95,7 +95,7 @@ LIMN_FN uint tess_block_count(uint row_count, uint face_count) {
     return (tess_item_count(row_count, face_count) + kTessBlockItems - 1u) / kTessBlockItems;
 }
 // Vertices and triangles, low and high words, at each of the scales that are tried; then those scales.
-const uint kTessTrials = 16;
+const uint kTessTrials = 32;
 LIMN_FN uint tess_trials(uint rate_edge_count, uint face_count, uint row_count) {
     return tess_blocks(rate_edge_count, face_count, row_count) + 2u * tess_block_count(row_count, face_count);
 }

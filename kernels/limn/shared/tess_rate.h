@@ -37,7 +37,7 @@ LIMN_FN real greater_of(real a, real b) {
     return a > b ? a : b;
 }
 LIMN_FN bool is_finite_point(TessPoint p) {
-    return p.x - p.x == real(0) && p.y - p.y == real(0) && p.z - p.z == real(0);
+    return is_finite_number(p.x) && is_finite_number(p.y) && is_finite_number(p.z);
 }
 
 // The largest second difference of the samples: at n segments the chord is off by at most about 2 / n^2 of it (an eighth
@@ -103,12 +103,17 @@ LIMN_FN real rate_dither(uint edge) {
 // The rate of a rate edge in fixed point, of each half where it has two; 0: faces beside it are not drawn. `dither` < 0:
 // to the nearest.
 LIMN_FN uint round_rate(real target, real scale, uint spacing, uint most_segments, uint flags, bool measured, real dither) {
-    if (!(target > real(0))) return 0u;
+    if (!is_finite_number(target) || target <= real(0)) return 0u;
     const bool halves = (flags & kRateEdgeHalves) != 0u, sub_face = (flags & kRateEdgeSubFace) != 0u;
     const uint least = spacing == kSpacingFractional ? 2u : 1u;
     const uint most = halves || sub_face ? (most_segments / 2u > least ? most_segments / 2u : least) : most_segments;
     real rate = target * scale;
     if (halves || (sub_face && !measured)) rate = rate / real(2);
+    // Fractional rates stay what they are, moved apart by up to a segment as the scale leaves 1: no rate jumps.
+    if (spacing == kSpacingFractional && dither >= real(0)) {
+        const real apart = real(8) * (real(1) - scale);
+        rate += (real(2) * dither - real(1)) * (apart < real(1) ? apart : real(1));
+    }
     if (!(rate > real(least))) return least * kRateOne;
     if (rate >= real(most)) return most * kRateOne;
     if (spacing == kSpacingFractional) return uint(rate * real(kRateOne));

@@ -224,6 +224,15 @@ std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& 
             write(info.dv, info.width)};
 }
 
+/// Of a workgroup. Local points of patch trees (patch_tree.h) come in any number; with few sizes of workgroups there are
+/// few pipelines.
+uint32_t most_invocations(const DeviceGridTable& grid, const GridBatch& batch) {
+    if (grid.rate != 0) return kMaxInvocations;
+    for (const uint32_t size : {64u, 32u})
+        if ((batch.sample_count + size - 1) / size * size <= batch.sample_count + batch.sample_count / 5) return size;
+    return 16;
+}
+
 GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const BoundBuffer> bound,
                            const GridBatch& batch) {
     const uint64_t first = uint64_t{batch.pass} * info.grid->faces_per_pass * info.grid->samples_per_face;
@@ -232,7 +241,7 @@ GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const Bound
     GridEvalParams params = {};
     params.tile_base = batch.tile_base;
     params.tile_count = batch.tile_count;
-    params.chunk_count = (batch.sample_count - 1) / kMaxInvocations + 1;
+    params.chunk_count = (batch.sample_count - 1) / most_invocations(*info.grid, batch) + 1;
     params.sample_count = batch.sample_count;
     params.samples_per_face = info.grid->samples_per_face;
     params.ring_base = info.patches->offsets.ring_points;
@@ -277,7 +286,8 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
         const GridEvalParams params = grid_params(info, bound, batch);
         const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
         const uint32_t per_chunk = (batch.sample_count - 1) / params.chunk_count + 1;
-        const uint32_t invocations = std::min(kMaxInvocations, (per_chunk + lanes - 1) / lanes * lanes);
+        const uint32_t most = most_invocations(*info.grid, batch);
+        const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
         auto pipeline = state_->pipeline(
             kGrid, {std::min(batch.group_count, 8u), output, info.width, info.patches->narrow_rings,
                     invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1,
