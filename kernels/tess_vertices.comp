@@ -13,17 +13,6 @@ layout(std430, binding = kTessOutBinding) writeonly buffer Out { float first_out
 layout(std430, binding = kTessOutBinding) writeonly buffer OutWords { uint first_out_words[]; };
 layout(std430, binding = kTessOut2Binding) writeonly buffer Out2 { float second_out[]; };
 
-uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
-
-void load_second_leaf(Leaf leaf, out vec4 points[16]) {
-    const uvec4 low = WORD_GROUP(leaf.first_word), high = WORD_GROUP(leaf.first_word + 1);
-    [[unroll]] for (uint k = 0; k < 8; ++k) {
-        const uint word = k < 4 ? low[k] : high[k - 4];
-        points[2 * k] = SECOND_LOCAL(leaf.first_local + (word & 0xffffu));
-        points[2 * k + 1] = SECOND_LOCAL(leaf.first_local + (word >> 16));
-    }
-}
-
 // The direction in which the first texture coordinate grows, at right angles to the normal; w: whether the second one grows
 // along cross(normal, tangent), 1, or against it, -1.
 vec4 tangent_at(uint face, float u, float v, vec3 du, vec3 dv, vec3 normal) {
@@ -57,7 +46,7 @@ void store_place(uint at, uint face, float u, float v) {
     first_out_words[at + 3] = leaf.kind | leaf.level << 8;
 }
 
-void store(uint vertex, uint face, float u, float v) {
+void visit(uint vertex, uint face, float u, float v) {
     const uint at = payload(0) + (vertex - payload(4)) * payload(1);
     if (kOutput == kTessOutputPlace) {
         store_place(at, face, u, v);
@@ -102,46 +91,4 @@ void store(uint vertex, uint face, float u, float v) {
     second_out[second_at + 2] = normal.z;
 }
 
-uint rate_of(uint edge) { return state[rates_at() + edge]; }
-#include "limn/tess_counts.glsl"
-
-void main() {
-    const uint invocation = global_invocation(), lanes = kMode == kTessCorners ? 1 : kLanes;
-    const uint item = invocation / lanes;
-    if (is_empty()) return;
-    // The item's vertices [begin, end), and those of them within the slice.
-    uint begin = item, end = item + 1, face = item, place = 0, rate = 0;
-    TessPattern pattern;
-    if (kMode == kTessCorners) {
-        if (item >= params.corner_count) return;
-        const uint at = params.table.corners + kTessCornerWords * item;
-        face = WORD(at);
-        place = WORD(at + 1);
-    } else {
-        if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
-        const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
-        begin = state[at];
-        end = state[at + 2];
-        if (begin == end) return;
-        if (kMode == kTessRows) {
-            rate = rate_of(row_word(item, 0));
-            face = row_word(item, 1);
-            place = row_word(item, 2);
-        } else {
-            pattern = pattern_of(item);
-        }
-    }
-    const uint first = max(begin, payload(4)), last = min(end, payload(5));
-    for (uint vertex = first + invocation % lanes; vertex < last; vertex += lanes) {
-        float u, v;
-        if (kMode == kTessCorners) {
-            u = float(place & 3) * 0.5;
-            v = float(place >> 2) * 0.5;
-        } else if (kMode == kTessRows) {
-            locate_on_row(place, point_on_side(rate, kFractional, vertex - begin + 1), u, v);
-        } else {
-            locate_inner_vertex(pattern, vertex - begin, u, v);
-        }
-        store(vertex, face, u, v);
-    }
-}
+#include "limn/tess_walk.glsl"

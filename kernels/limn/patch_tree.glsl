@@ -1,4 +1,5 @@
-// Places of a patch tree: the leaf, and the surface there. Before it: WORD(i), WORD_GROUP(i), LOCAL(i), kTriangles.
+// Places of a patch tree: the leaf, and the surface there. Before it: WORD(i), WORD_GROUP(i), LOCAL(i), SECOND_LOCAL(i),
+// kTriangles.
 
 struct Leaf {
     uint kind;
@@ -38,13 +39,19 @@ Leaf find_leaf(TreeOffsets tree, uint face, float u, float v) {
     return leaf;
 }
 
-void load_leaf(Leaf leaf, out vec4 points[16]) {
-    const uvec4 low = WORD_GROUP(leaf.first_word), high = WORD_GROUP(leaf.first_word + 1);
-    [[unroll]] for (uint k = 0; k < 8; ++k) {
-        const uint word = k < 4 ? low[k] : high[k - 4];
-        points[2 * k] = LOCAL(leaf.first_local + (word & 0xffffu));
-        points[2 * k + 1] = LOCAL(leaf.first_local + (word >> 16));
+#define LOAD_LEAF(SOURCE)                                                                                      \
+    const uvec4 low = WORD_GROUP(leaf.first_word), high = WORD_GROUP(leaf.first_word + 1);                     \
+    [[unroll]] for (uint k = 0; k < 8; ++k) {                                                                  \
+        const uint word = k < 4 ? low[k] : high[k - 4];                                                        \
+        points[2 * k] = SOURCE(leaf.first_local + (word & 0xffffu));                                           \
+        points[2 * k + 1] = SOURCE(leaf.first_local + (word >> 16));                                           \
     }
+// From either of the two sources of local points that are bound.
+void load_leaf(Leaf leaf, out vec4 points[16]) {
+    LOAD_LEAF(LOCAL)
+}
+void load_second_leaf(Leaf leaf, out vec4 points[16]) {
+    LOAD_LEAF(SECOND_LOCAL)
 }
 
 // Cubic B-splines or, of bilinear leaves, linear functions in the places of the first two.

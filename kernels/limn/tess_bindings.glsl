@@ -21,7 +21,9 @@ layout(std430, binding = kTessStateBinding) buffer State { uint state[]; };
 layout(binding = kTessWordsBinding) uniform utextureBuffer words;
 layout(binding = kTessWordGroupsBinding) uniform utextureBuffer word_groups;
 layout(binding = kTessLocalBinding) uniform textureBuffer local_points;
+#ifndef LIMN_HEIGHT_TEXTURE
 layout(binding = kTessSecondBinding) uniform textureBuffer second_floats;
+#endif
 #define WORD(i) texelFetch(words, int(i)).x
 #define WORD_GROUP(i) texelFetch(word_groups, int(i))
 #define LOCAL(i) texelFetch(local_points, int(i))
@@ -31,13 +33,20 @@ layout(binding = kTessSecondBinding) uniform textureBuffer second_floats;
 layout(std430, binding = kTessWordsBinding) readonly buffer Words { uint words[]; };
 layout(std430, binding = kTessWordGroupsBinding) readonly buffer WordGroups { uvec4 word_groups[]; };
 layout(std430, binding = kTessLocalBinding) readonly buffer LocalPoints { vec4 local_points[]; };
+#ifndef LIMN_HEIGHT_TEXTURE
 layout(std430, binding = kTessSecondBinding) readonly buffer SecondFloats { float second_floats[]; };
 layout(std430, binding = kTessSecondBinding) readonly buffer SecondPoints { vec4 second_points[]; };
+#endif
 #define WORD(i) words[i]
 #define WORD_GROUP(i) word_groups[i]
 #define LOCAL(i) local_points[i]
 #define SECOND(i) second_floats[i]
 #define SECOND_LOCAL(i) second_points[i]
+#endif
+#ifdef LIMN_HEIGHT_TEXTURE
+layout(binding = kTessSecondBinding) uniform sampler2D height_texture;
+#undef SECOND_LOCAL
+#define SECOND_LOCAL(i) vec4(0)
 #endif
 
 const bool kFractional = kSpacing == kSpacingFractional;
@@ -52,6 +61,7 @@ uint item_count() { return tess_item_count(params.row_count, params.face_count);
 uint global_invocation() {
     return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kTessWorkgroupSize + gl_LocalInvocationID.x;
 }
+uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
 bool is_empty() { return state[kTessResultStatus] >= kTessTooSmall; }
 
 uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }

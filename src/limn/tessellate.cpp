@@ -5,6 +5,7 @@
 #include <string>
 
 #include "limn/parallel.h"
+#include "limn/shared/tess_steps.h"
 #include "limn/topology.h"
 
 namespace limn {
@@ -194,6 +195,30 @@ void copy_positions(const Tessellation& tessellation, std::span<double> position
     }
 }
 
+void unit_normal(const double* u, const double* v, double* normal) {
+    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double length = std::hypot(n[0], n[1], n[2]);
+    for (int k = 0; k < 3; ++k) normal[k] = length > 0 ? n[k] / length : (k == 2 ? 1.0 : 0.0);
+}
+
+/// The displaced surface at vertex i's place, and at two more along each of two directions.
+struct DisplacedPlaces {
+    shared::TessStep steps[2];
+    PatchSample samples[5];
+    double times[5];
+
+    DisplacedPlaces(const PatchSample& place, bool triangle, double size) {
+        for (uint32_t which = 0; which < 2; ++which) steps[which] = shared::make_step(triangle, which, place.u, place.v, size);
+        for (uint32_t j = 0; j < 5; ++j) {
+            const shared::TessStep& s = step(j);
+            times[j] = j == 0 ? 0 : j % 2 == 1 ? s.t1 : s.t2;
+            samples[j] = {place.face, std::clamp(place.u + times[j] * s.u, 0.0, 1.0),
+                          std::clamp(place.v + times[j] * s.v, 0.0, 1.0)};
+        }
+    }
+    const shared::TessStep& step(uint32_t j) const { return steps[j < 3 ? 0 : 1]; }
+};
+
 }  // namespace
 
 Result<void> check_rate_settings(const RateSettings& settings) {
@@ -277,11 +302,38 @@ void evaluate_tessellation(const PatchTable& patches, const Tessellation& tessel
         const double* value = values.data() + i * values_each * 3;
         std::copy_n(value, 3, positions.data() + 3 * i);
         if (normals.empty()) continue;
-        const double *u = value + 3, *v = value + 6;
-        const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        const double length = std::hypot(n[0], n[1], n[2]);
-        for (int k = 0; k < 3; ++k) normals[3 * i + k] = length > 0 ? n[k] / length : (k == 2 ? 1.0 : 0.0);
+        unit_normal(value + 3, value + 6, normals.data() + 3 * i);
     }
+    copy_positions(tessellation, positions);
+}
+
+void displace_tessellation(const PatchTable& patches, const Tessellation& tessellation, std::span<const double> points,
+                           std::span<const double> heights, double step, std::span<double> positions,
+                           std::span<double> normals) {
+    const bool triangle = patches.options.scheme == Scheme::loop;
+    for_each_index(
+        tessellation.vertex_count(),
+        [&](uint32_t i) {
+            const DisplacedPlaces places(tessellation.places[i], triangle, step);
+            double values[5 * 9], moved[5][3], along[2][3] = {};
+            SampleStatus statuses[5];
+            evaluate_patches(patches, places.samples, points, 3, Derivatives::first, values, statuses);
+            for (uint32_t j = 0; j < 5; ++j) {
+                const double* value = values + 9 * j;
+                const shared::TessStep& s = places.step(j);
+                const double* h = heights.data() + 3 * size_t{i};
+                const double height = h[0] + places.times[j] * (s.u * h[1] + s.v * h[2]);
+                double normal[3];
+                unit_normal(value + 3, value + 6, normal);
+                for (int k = 0; k < 3; ++k) {
+                    moved[j][k] = value[k] + height * normal[k];
+                    if (j != 0) along[j < 3 ? 0 : 1][k] += (j % 2 == 1 ? s.w1 : s.w2) * (moved[j][k] - moved[0][k]);
+                }
+            }
+            std::copy_n(moved[0], 3, positions.data() + 3 * size_t{i});
+            if (!normals.empty()) unit_normal(along[0], along[1], normals.data() + 3 * size_t{i});
+        },
+        64);
     copy_positions(tessellation, positions);
 }
 

@@ -76,6 +76,13 @@ Result<Tessellation> tessellate(const TessellationTable& table, std::span<const 
 void evaluate_tessellation(const PatchTable& patches, const Tessellation& tessellation,
                            std::span<const double> points, std::span<double> positions, std::span<double> normals);
 
+/// The displaced surface: vertex i moves along its normal by heights[3 * i]; heights[3 * i + 1] and + 2 are how that
+/// changes with u and v of the ptex face of its place. `step`: of the differences that normals are made of
+/// (limn/shared/tess_steps.h), step_size(max_rate) on devices.
+void displace_tessellation(const PatchTable& patches, const Tessellation& tessellation, std::span<const double> points,
+                           std::span<const double> heights, double step, std::span<double> positions,
+                           std::span<double> normals);
+
 /// Values of a face-varying channel, whose seams the table was built with: width per vertex. `points`: of the
 /// channel's own table.
 void evaluate_tessellation_channel(const PatchTable& channel, const Tessellation& tessellation,

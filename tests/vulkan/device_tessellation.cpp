@@ -1,5 +1,8 @@
 #include "vulkan/device_tessellation.h"
 
+#include <bit>
+#include <cstring>
+
 namespace limn::vk::test {
 namespace {
 
@@ -94,7 +97,8 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
            tangents = create_floats(device(), before + 4 * vertices), indices = create_floats(device(), before + 3 * triangles),
            faces = create_floats(device(), before + triangles), command = create_floats(device(), before + 5),
            result = create_floats(device(), before + 4), previous = create_floats(device(), before + 3 * vertices),
-           edge_rates = create_floats(device(), before + request.edge_rates.size());
+           edge_rates = create_floats(device(), before + request.edge_rates.size()),
+           heights = create_floats(device(), before + 5 * vertices);
     if (!request.edge_rates.empty()) {
         EXPECT_TRUE(upload_bytes(device(), edge_rates, offset_bytes, std::as_bytes(std::span(request.edge_rates))));
     }
@@ -139,6 +143,8 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         info.previous_points = {.buffer = previous_points.handle};
         info.previous_positions = {previous.handle, offset_bytes, 0, 3};
     }
+    if (request.heights || request.texture != nullptr) info.heights = {heights.handle, offset_bytes, 0, 5};
+    if (request.texture != nullptr) info.height_texture = *request.texture;
     auto tessellation = tessellator_->prepare(info);
     EXPECT_TRUE(tessellation) << (tessellation ? "" : tessellation.error().message);
     if (!tessellation) return out;
@@ -150,6 +156,20 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
     EXPECT_TRUE(commands->submit_and_wait());
 
     out.result = (*download<TessellationResult>(device(), result, 1, offset_bytes))[0];
+    if (request.heights) {  // the hook, on the host
+        const auto place_words = *download<uint32_t>(device(), places, size_t{4} * out.result.vertex_count, offset_bytes);
+        std::vector<float> written(size_t{5} * out.result.vertex_count, 0.0f);
+        for (size_t i = 0; i < out.result.vertex_count; ++i) {
+            const auto h = request.heights(place_words[4 * i], std::bit_cast<float>(place_words[4 * i + 1]),
+                                           std::bit_cast<float>(place_words[4 * i + 2]));
+            std::copy(h.begin(), h.end(), written.begin() + static_cast<std::ptrdiff_t>(5 * i));
+        }
+        EXPECT_TRUE(upload_bytes(device(), heights, offset_bytes, std::as_bytes(std::span(written))));
+        Result<Commands> displacing = Commands::begin(device());
+        tessellation->record_displacement(*displacing);
+        record_barrier(device(), *displacing, kKernelWrites, kCopyReads);
+        EXPECT_TRUE(displacing->submit_and_wait());
+    }
     const auto words = *download<uint32_t>(device(), command, 5, offset_bytes);
     std::copy(words.begin(), words.end(), out.command);
     const size_t count = std::min<size_t>(out.result.vertex_count, vertices);
@@ -167,6 +187,11 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         out.triangle_faces = *download<uint32_t>(device(), faces, triangle_count, offset_bytes);
         out.places = *download<uint32_t>(device(), places, 4 * count, offset_bytes);
         out.tangents = *download<float>(device(), tangents, 4 * count, offset_bytes);
+    }
+    if (request.heights || request.texture != nullptr) {
+        const auto all = *download<float>(device(), heights, 5 * count, offset_bytes);
+        for (size_t i = 0; i < all.size(); ++i)
+            if (i % 5 < 3) out.heights.push_back(all[i]);
     }
     if (request.previous) out.previous = *download<float>(device(), previous, 3 * count, offset_bytes);
     for (const Buffer& values : channel_values) out.channels.push_back(*download<float>(device(), values, 2 * count, offset_bytes));

@@ -1,6 +1,9 @@
 // A shape tessellated on the device and read back, for tests.
 #pragma once
 
+#include <array>
+#include <functional>
+
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
 #include "shapes/tessellation_checks.h"
@@ -19,6 +22,9 @@ struct TessellationRequest {
     uint32_t triangle_capacity = 1 << 17;
     uint32_t offset_words = 0;       ///< before everything that is written
     uint32_t stride = 6;             ///< of positions with normals
+    /// Heights by the caller: of a vertex from its place and position, h, dh/du, dh/dv.
+    std::function<std::array<float, 3>(uint32_t face, float u, float v)> heights = {};
+    const HeightTexture* texture = nullptr;  ///< of channel 0
     bool previous = false;           ///< positions of the last frame, from points moved by one along x
 };
 
@@ -38,6 +44,7 @@ struct TessellatedShape {
     std::vector<float> positions, normals, tangents, previous;  ///< 3, 3, 4 and 3 per vertex
     std::vector<uint32_t> places;                               ///< 4 per vertex
     std::vector<std::vector<float>> channels;                   ///< 2 per vertex
+    std::vector<float> heights;                                 ///< 3 per vertex
     std::vector<float> untouched;  ///< floats between vertices and before them
 };
 

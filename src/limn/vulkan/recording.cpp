@@ -1,18 +1,23 @@
 #include "limn/vulkan/recording.h"
 
+#include <algorithm>
+
 namespace limn::vk {
 namespace {
 
 Result<VkDescriptorPool> create_pool(const Device& device, std::span<const BoundBuffer> buffers) {
-    VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0},
-                                     {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 0}};
-    for (const BoundBuffer& b : buffers) ++sizes[b.type == sizes[0].type ? 0 : 1].descriptorCount;
-    const bool storage = sizes[0].descriptorCount != 0, texel = sizes[1].descriptorCount != 0;
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const VkDescriptorType type : {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+                                        VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}) {
+        const auto count =
+            std::count_if(buffers.begin(), buffers.end(), [&](const BoundBuffer& b) { return b.type == type; });
+        if (count != 0) sizes.push_back({type, static_cast<uint32_t>(count)});
+    }
     VkDescriptorPoolCreateInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
     info.maxSets = 1;
-    info.poolSizeCount = static_cast<uint32_t>(storage) + static_cast<uint32_t>(texel);
-    info.pPoolSizes = storage ? sizes : sizes + 1;
+    info.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    info.pPoolSizes = sizes.data();
     VkDescriptorPool pool = VK_NULL_HANDLE;
     const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, nullptr, &pool);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorPool", result);
@@ -74,6 +79,7 @@ Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,
         writes[i].descriptorType = b.type;
         writes[i].pBufferInfo = &infos[i];
         writes[i].pTexelBufferView = &bound_views[i];
+        writes[i].pImageInfo = &b.image;
     }
     device->functions.UpdateDescriptorSets(device->handle, static_cast<uint32_t>(writes.size()),
                                            writes.data(), 0, nullptr);

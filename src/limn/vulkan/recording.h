@@ -10,13 +10,15 @@
 
 namespace limn::vk {
 
-/// What a binding of a descriptor set refers to. `format` is of a texel buffer.
+/// What a binding of a descriptor set refers to. `format` is of a texel buffer; `image` stands in for a buffer where the
+/// type is that of a combined image sampler.
 struct BoundBuffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
     VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     VkFormat format = VK_FORMAT_UNDEFINED;
+    VkDescriptorImageInfo image = {};
 };
 
 struct Recording {

@@ -53,7 +53,10 @@ Result<void> check(const TessellationInfo& info) {
     for (const WordBuffer* words : {&info.triangle_faces, &info.result})
         if (auto checked = check_words(*words, true); !checked) return checked;
     if (auto checked = check_words(info.edge_rates, info.mode != RateMode::per_edge); !checked) return checked;
-    bool has_tangent_channel = false;
+    if (auto checked = check_points(info.heights, 3, true); !checked) return checked;
+    const HeightTexture& texture = info.height_texture;
+    bool has_tangent_channel = false, has_height_channel = texture.view == VK_NULL_HANDLE;
+    if (!has_height_channel && texture.sampler == VK_NULL_HANDLE) return bad("a texture of heights has no sampler");
     for (const TessellatedChannel& channel : info.channels) {
         if (channel.patches == nullptr || channel.channel >= info.table->channels.size())
             return bad("there is no such channel");
@@ -61,7 +64,10 @@ Result<void> check(const TessellationInfo& info) {
         if (auto checked = check_points(channel.points, channel.width, false); !checked) return checked;
         if (auto checked = check_points(channel.values, channel.width, true); !checked) return checked;
         has_tangent_channel |= channel.channel == info.tangent_channel && channel.width >= 2;
+        has_height_channel |= channel.channel == texture.channel && channel.width >= 2;
     }
+    if (!has_height_channel)
+        return bad("heights follow a channel of two components or more, which has to be among the channels");
     if (info.tangents.buffer != VK_NULL_HANDLE && info.tangent_channel != ~0u && !has_tangent_channel)
         return bad("tangents follow a channel of two components or more, which has to be among the channels");
     return {};
@@ -116,13 +122,14 @@ float word(uint32_t value) {
 }  // namespace
 
 struct Tessellation::State {
-    Recording sets;
+    Recording sets, height_sets;
     Buffer words;                        ///< limn/shared/tess_params.h
     std::vector<Buffer> local;           ///< of vertices, channels, the last frame
     std::vector<SurfaceEvaluation> local_points;
     Dispatch begin = {}, targets = {}, drawn = {};
     std::vector<Stage> rates;  ///< from targets and drawn faces to offsets
-    Stage vertices, triangles, copies;
+    Stage vertices, triangles, copies, displacement, heights;
+    Buffer own_heights;
     RateMode mode = RateMode::uniform;
     TessellationSpacing spacing = TessellationSpacing::integer;
     bool cull_outside = false, cull_backfaces = false;
@@ -130,6 +137,7 @@ struct Tessellation::State {
 
     const Device& device() const { return *sets.device; }
     void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
+    void record_positions(VkCommandBuffer commands, const Stage& stage) const;
 };
 
 Tessellation::Tessellation() : state_(std::make_unique<State>()) {}
@@ -166,12 +174,24 @@ void Tessellation::record_triangles(VkCommandBuffer command_buffer) const {
     state_->sets.record(command_buffer, state_->triangles);
 }
 
+/// And what then has to be copied at seams.
+void Tessellation::State::record_positions(VkCommandBuffer commands, const Stage& stage) const {
+    sets.record(commands, stage);
+    if (copies.empty()) return;
+    record_barrier(device(), commands, kKernelWrites, kKernelReads);
+    sets.record(commands, copies);
+}
+
 void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
-    const State& s = *state_;
-    s.sets.record(command_buffer, s.vertices);
-    if (s.copies.empty()) return;
-    record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
-    s.sets.record(command_buffer, s.copies);
+    state_->record_positions(command_buffer, state_->vertices);
+}
+
+void Tessellation::record_heights(VkCommandBuffer command_buffer) const {
+    state_->height_sets.record(command_buffer, state_->heights);
+}
+
+void Tessellation::record_displacement(VkCommandBuffer command_buffer) const {
+    state_->record_positions(command_buffer, state_->displacement);
 }
 
 Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& settings) const {
@@ -179,6 +199,12 @@ Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSett
     auto recorded = record_rates(command_buffer, settings);
     record_triangles(command_buffer);
     record_vertices(command_buffer);
+    if (state_->heights.empty()) return recorded;
+    const StageAccess both = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+    record_heights(command_buffer);
+    record_barrier(state_->device(), command_buffer, kKernelWrites, both);
+    record_displacement(command_buffer);
     return recorded;
 }
 
@@ -271,6 +297,7 @@ Result<Tessellator> Tessellator::create(const Device& device) {
                                  shared::kTessSecondBinding})
             bindings[b] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     for (uint32_t k = 0; k < kTessKernelCount; ++k) {
+        if (k == kTessHeightKernel) bindings[shared::kTessSecondBinding] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         auto kernel = create_kernel(device, {tess_kernel_spirv(static_cast<TessKernel>(k), state.texel), bindings,
                                              sizeof(TessParams)});
         if (!kernel) return kernel.error();
@@ -281,15 +308,16 @@ Result<Tessellator> Tessellator::create(const Device& device) {
 
 /// Per-vertex outputs of one dispatch: one or two.
 struct VertexOutput {
+    TessKernel kernel;
     uint32_t output;
     PointBuffer first;
     uint32_t first_width;
-    PointBuffer second = {};
+    PointBuffer second = {};  ///< optional
     uint32_t second_width = 0;
     uint32_t source = 0;  ///< which local points
     shared::TreeOffsets trees = {};
-    uint32_t tangent_source = ~0u;
-    shared::TreeOffsets tangent_trees = {};
+    BoundBuffer second_source = {};  ///< what is read beside them; optional
+    std::array<uint32_t, 5> payload = {};  ///< from 6 on
 };
 
 /// Builds the dispatches of one tessellation.
@@ -299,6 +327,7 @@ struct TessellationPreparation {
     Tessellation::State& out;
     uint32_t lanes_of_faces, lanes_of_rows;
     std::vector<VkDeviceSize> local_bytes = {};
+    PointBuffer heights = {};  ///< the caller's, or limn's own
 
     const Device& device() const { return *tessellator.device; }
     const DeviceTessellationTable& table() const { return *info.table; }
@@ -342,7 +371,9 @@ struct TessellationPreparation {
                                                          " bytes of one buffer at once, and the device binds " +
                                                          std::to_string(most)};
         }
-        return out.sets.add_set(tessellator.kernels[0].set_layout, buffers);
+        const bool texture = second.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        Recording& sets = texture ? out.height_sets : out.sets;
+        return sets.add_set(tessellator.kernels[texture ? kTessHeightKernel : kTessBudgetKernel].set_layout, buffers);
     }
 
     TessParams params(const shared::TreeOffsets& trees) const {
@@ -371,7 +402,9 @@ struct TessellationPreparation {
                            uint32_t width);
     Result<void> add_rates();
     Result<void> add_triangles();
-    Result<void> add_output(const VertexOutput& output);
+    Result<void> add_output(const VertexOutput& output, Stage& stage);
+    Result<void> add_heights(const std::vector<uint32_t>& channel_sources);
+    Result<void> add_displacement();
     Result<void> add_outputs();
     Result<void> add_copies(const PointBuffer& positions);
 };
@@ -475,10 +508,9 @@ Result<void> TessellationPreparation::add_triangles() {
     return {};
 }
 
-Result<void> TessellationPreparation::add_output(const VertexOutput& output) {
+Result<void> TessellationPreparation::add_output(const VertexOutput& output, Stage& stage) {
     const bool two = output.second.buffer != VK_NULL_HANDLE;
-    const uint64_t slice =
-        slice_size(device(), 4ull * std::max(output.first.stride, two ? output.second.stride : 1));
+    const uint64_t slice = slice_size(device(), 4ull * std::max(output.first.stride, two ? output.second.stride : 1));
     for (uint64_t first = 0; first < info.vertex_capacity; first += slice) {
         const uint64_t end = std::min<uint64_t>(info.vertex_capacity, first + slice);
         uint32_t first_base = 0, second_base = 0;
@@ -488,32 +520,24 @@ Result<void> TessellationPreparation::add_output(const VertexOutput& output) {
         };
         const BoundBuffer first_out = bind(output.first, output.first_width, first_base);
         const BoundBuffer second_out = two ? bind(output.second, output.second_width, second_base) : first_out;
-        const bool tangents = output.tangent_source != ~0u;
-        auto set = add_set(local(output.source), local(tangents ? output.tangent_source : output.source), first_out,
+        auto set = add_set(local(output.source),
+                           output.second_source.size_bytes != 0 ? output.second_source : local(output.source), first_out,
                            second_out);
         if (!set) return set.error();
         TessParams p = params(output.trees);
-        const uint32_t payload[11] = {first_base,
-                                      output.first.stride,
-                                      second_base,
-                                      output.second.stride,
-                                      static_cast<uint32_t>(first),
-                                      static_cast<uint32_t>(end),
-                                      output.first_width,
-                                      tangents ? output.tangent_trees.ptex_surfaces : shared::kNoFace,
-                                      output.tangent_trees.surfaces,
-                                      output.tangent_trees.nodes,
-                                      output.tangent_trees.leaf_points};
-        for (int i = 0; i < 11; ++i) p.payload[i] = word(payload[i]);
+        const uint32_t payload[6] = {first_base,           output.first.stride,          second_base,
+                                     output.second.stride, static_cast<uint32_t>(first), static_cast<uint32_t>(end)};
+        for (int i = 0; i < 6; ++i) p.payload[i] = word(payload[i]);
+        for (size_t i = 0; i < output.payload.size(); ++i) p.payload[6 + i] = word(output.payload[i]);
         const std::tuple<uint32_t, uint64_t, uint32_t> domains[] = {
             {shared::kTessCorners, table().corner_count, 1},
             {shared::kTessRows, table().row_count, lanes_of_rows},
             {shared::kTessFaces, table().face_count, lanes_of_faces}};
         for (const auto& [domain, count, lanes] : domains) {
             if (count == 0) continue;
-            auto made = dispatch(kTessVerticesKernel, *set, count * lanes, p, domain, output.output, lanes);
+            auto made = dispatch(output.kernel, *set, count * lanes, p, domain, output.output, lanes);
             if (!made) return made.error();
-            out.vertices.push_back(*made);
+            stage.push_back(*made);
         }
     }
     return {};
@@ -543,34 +567,95 @@ Result<void> TessellationPreparation::add_copies(const PointBuffer& positions) {
     return {};
 }
 
+/// Heights by the texture, and what they move.
+Result<void> TessellationPreparation::add_heights(const std::vector<uint32_t>& channel_sources) {
+    const HeightTexture& texture = info.height_texture;
+    for (size_t c = 0; c < info.channels.size(); ++c) {
+        if (info.channels[c].channel != texture.channel) continue;
+        BoundBuffer image = {};
+        image.type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        image.size_bytes = 1;
+        image.image = {texture.sampler, texture.view, texture.layout};
+        return add_output({.kernel = kTessHeightKernel,
+                           .output = shared::kTessOutputValue,
+                           .first = heights,
+                           .first_width = 3,
+                           .source = channel_sources[c],
+                           .trees = table().channels[texture.channel].offsets,
+                           .second_source = image,
+                           .payload = {std::bit_cast<uint32_t>(texture.scale), std::bit_cast<uint32_t>(texture.bias)}},
+                          out.heights);
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_displacement() {
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
+    const uint64_t begin = heights.offset_bytes + 4 * heights.first;
+    const VkPhysicalDeviceLimits& limits = device().properties.limits;
+    const uint64_t alignment = std::max<uint64_t>(16, tessellator.texel ? limits.minTexelBufferOffsetAlignment
+                                                                        : limits.minStorageBufferOffsetAlignment);
+    const uint64_t aligned = begin - begin % alignment;
+    const uint64_t floats = (uint64_t{info.vertex_capacity} - 1) * heights.stride + 3;
+    BoundBuffer source = read(heights.buffer, begin + 4 * floats - aligned, kFloats);
+    source.offset_bytes = aligned;
+    return add_output({.kernel = kTessDisplaceKernel,
+                       .output = normals ? shared::kTessOutputNormal : shared::kTessOutputValue,
+                       .first = info.positions,
+                       .first_width = 3,
+                       .second = info.normals,
+                       .second_width = 3,
+                       .trees = table().vertices.offsets,
+                       .second_source = source,
+                       .payload = {static_cast<uint32_t>((begin - aligned) / 4), heights.stride}},
+                      out.displacement);
+}
+
 Result<void> TessellationPreparation::add_outputs() {
     const shared::TreeOffsets& trees = table().vertices.offsets;
-    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
-    std::vector<VertexOutput> outputs = {{normals ? shared::kTessOutputNormal : shared::kTessOutputValue, info.positions,
-                                          3, info.normals, 3, 0, trees}};
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE, texture = info.height_texture.view != VK_NULL_HANDLE;
+    heights = info.heights;
+    if (texture && heights.buffer == VK_NULL_HANDLE) {
+        auto buffer = create_buffer(device(), 12ull * info.vertex_capacity, kPointUsage, MemoryUse::device);
+        if (!buffer) return buffer.error();
+        out.own_heights = std::move(*buffer);
+        heights = {.buffer = out.own_heights.handle};
+    }
+    std::vector<VertexOutput> outputs;
+    if (!texture)  // else displacement writes them at once
+        outputs.push_back({kTessVerticesKernel, normals ? shared::kTessOutputNormal : shared::kTessOutputValue,
+                           info.positions, 3, info.normals, 3, 0, trees, {}, {3}});
     if (info.places.buffer != VK_NULL_HANDLE)
-        outputs.push_back({shared::kTessOutputPlace, info.places, 4, {}, 0, 0, trees});
-    VertexOutput tangents = {shared::kTessOutputTangent, info.tangents, 4, {}, 0, 0, trees};
+        outputs.push_back({kTessVerticesKernel, shared::kTessOutputPlace, info.places, 4, {}, 0, 0, trees});
+    VertexOutput tangents = {kTessVerticesKernel, shared::kTessOutputTangent, info.tangents, 4, {}, 0, 0, trees, {},
+                             {0, shared::kNoFace}};
+    std::vector<uint32_t> channel_sources;
     for (const TessellatedChannel& channel : info.channels) {
         const DevicePatchTrees& own = table().channels[channel.channel];
         if (auto added = add_local(*channel.patches, own, channel.points, channel.width); !added) return added;
-        const auto source = static_cast<uint32_t>(out.local.size() - 1);
+        channel_sources.push_back(static_cast<uint32_t>(out.local.size() - 1));
         if (channel.channel == info.tangent_channel) {
-            tangents.tangent_source = source;
-            tangents.tangent_trees = own.offsets;
+            tangents.second_source = local(channel_sources.back());
+            tangents.payload = {0, own.offsets.ptex_surfaces, own.offsets.surfaces, own.offsets.nodes,
+                                own.offsets.leaf_points};
         }
         if (channel.values.buffer != VK_NULL_HANDLE)
-            outputs.push_back(
-                {shared::kTessOutputValue, channel.values, channel.width, {}, 0, source, own.offsets});
+            outputs.push_back({kTessVerticesKernel, shared::kTessOutputValue, channel.values, channel.width, {}, 0,
+                               channel_sources.back(), own.offsets, {}, {channel.width}});
     }
     if (info.tangents.buffer != VK_NULL_HANDLE) outputs.push_back(tangents);
     if (info.previous_points.buffer != VK_NULL_HANDLE) {
         if (auto added = add_local(*info.patches, table().vertices, info.previous_points, 3); !added) return added;
-        outputs.push_back({shared::kTessOutputValue, info.previous_positions, 3, {}, 0,
-                           static_cast<uint32_t>(out.local.size() - 1), trees});
+        outputs.push_back({kTessVerticesKernel, shared::kTessOutputValue, info.previous_positions, 3, {}, 0,
+                           static_cast<uint32_t>(out.local.size() - 1), trees, {}, {3}});
     }
     for (const VertexOutput& output : outputs)
-        if (auto added = add_output(output); !added) return added;
+        if (auto added = add_output(output, out.vertices); !added) return added;
+    if (heights.buffer != VK_NULL_HANDLE && info.vertex_capacity != 0) {
+        if (texture)
+            if (auto added = add_heights(channel_sources); !added) return added;
+        if (auto added = add_displacement(); !added) return added;
+    }
     if (auto added = add_copies(info.positions); !added) return added;
     if (info.previous_points.buffer == VK_NULL_HANDLE) return {};
     return add_copies(info.previous_positions);
@@ -584,6 +669,9 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     out.sets.device = state_->device;
     out.sets.layout = state_->kernels[0].layout;
     out.sets.push_constant_bytes = sizeof(TessParams);
+    out.height_sets.device = state_->device;
+    out.height_sets.layout = state_->kernels[kTessHeightKernel].layout;
+    out.height_sets.push_constant_bytes = sizeof(TessParams);
     out.mode = info.mode;
     out.spacing = info.spacing;
     out.cull_outside = info.cull_outside;

@@ -24,6 +24,17 @@ struct TessellatedChannel {
     PointBuffer values = {};  ///< optional: where there is none, the channel is for tangents alone
 };
 
+/// Heights from a texture: scale * texel + bias at the first two coordinates of a channel, from the first component of
+/// mip level 0. The sampler says what lies between texels and beyond the edge. For a surface without wrinkles choose linear
+/// filtering, and a texture no finer than the tessellation: steps of 1 / max_rate of a face.
+struct HeightTexture {
+    VkImageView view = VK_NULL_HANDLE;  ///< optional: null
+    VkSampler sampler = VK_NULL_HANDLE;
+    VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    uint32_t channel = 0;  ///< of DeviceTessellationTable::channels, and among TessellationInfo::channels
+    float scale = 1, bias = 0;
+};
+
 /// What to make. Per-vertex outputs are PointBuffers with room for vertex_capacity points; any of them may share a
 /// buffer with others, as long as they do not overlap. All but `points` need STORAGE_BUFFER usage. Optional ones have
 /// null buffers.
@@ -51,6 +62,13 @@ struct TessellationInfo {
     std::span<const TessellatedChannel> channels;
     PointBuffer previous_points = {};     ///< optional, as `points`: those of the last frame
     PointBuffer previous_positions = {};  ///< where the vertices would have been then
+
+    /// Displacement along the normal, by three floats per vertex: the height, and its derivatives by u and v of the ptex
+    /// face that the vertex's place is on. They come from a texture or, without one, from the caller: after
+    /// record_vertices his own commands write them, from places, positions or channels as he likes, and then follows
+    /// record_displacement. Shared vertices have one height and seams the first side's, so that nothing cracks.
+    PointBuffer heights = {};  ///< optional; kSourceUsage. With a texture limn has a buffer of its own where this is null
+    HeightTexture height_texture = {};
 
     WordBuffer indices = {};         ///< 3 * triangle_capacity words
     WordBuffer triangle_faces = {};  ///< optional: triangle_capacity words, the ptex face of each triangle
@@ -92,6 +110,11 @@ class Tessellation {
                               const RateSettings& settings) const;  ///< rates, counts, the command and the result
     void record_triangles(VkCommandBuffer command_buffer) const;
     void record_vertices(VkCommandBuffer command_buffer) const;
+    /// Heights from the texture, where there is one. Before: vertices.
+    void record_heights(VkCommandBuffer command_buffer) const;
+    /// Positions and normals of the displaced surface. Before: heights visible to kKernelReads, positions no longer in
+    /// use. `record` has both where there is a texture.
+    void record_displacement(VkCommandBuffer command_buffer) const;
 
     VkDeviceSize state_bytes() const;
     /// Rates and which faces are drawn, as limn/shared/tess_params.h lays them out: for debugging and colours.

@@ -10,8 +10,12 @@
 #include "limn_kernels/tess_copy_texel.h"
 #include "limn_kernels/tess_count.h"
 #include "limn_kernels/tess_count_texel.h"
+#include "limn_kernels/tess_displace.h"
+#include "limn_kernels/tess_displace_texel.h"
 #include "limn_kernels/tess_drawn.h"
 #include "limn_kernels/tess_drawn_texel.h"
+#include "limn_kernels/tess_height.h"
+#include "limn_kernels/tess_height_texel.h"
 #include "limn_kernels/tess_offset.h"
 #include "limn_kernels/tess_offset_texel.h"
 #include "limn_kernels/tess_round.h"
@@ -41,6 +45,8 @@ enum TessKernel : uint32_t {
     kTessVerticesKernel,
     kTessCopyKernel,
     kTessTrianglesKernel,
+    kTessDisplaceKernel,
+    kTessHeightKernel,  // the last: it binds a texture
     kTessKernelCount
 };
 
@@ -50,7 +56,8 @@ inline std::span<const uint32_t> tess_kernel_spirv(TessKernel kernel, bool texel
         {kTessBudget, kTessBudgetTexel},     {kTessTarget, kTessTargetTexel}, {kTessDrawn, kTessDrawnTexel},
         {kTessTrial, kTessTrialTexel},       {kTessRound, kTessRoundTexel},   {kTessCount, kTessCountTexel},
         {kTessScan, kTessScanTexel},         {kTessOffset, kTessOffsetTexel}, {kTessVertices, kTessVerticesTexel},
-        {kTessCopy, kTessCopyTexel},         {kTessTriangles, kTessTrianglesTexel}};
+        {kTessCopy, kTessCopyTexel},         {kTessTriangles, kTessTrianglesTexel},
+        {kTessDisplace, kTessDisplaceTexel}, {kTessHeight, kTessHeightTexel}};
     return spirv[kernel][texel ? 1 : 0];
 }
 

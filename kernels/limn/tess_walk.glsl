@@ -1,0 +1,46 @@
+// All vertices of a domain (kMode), each once: corners one invocation each, rows and faces kLanes invocations each, which
+// take turns. Before it: visit(vertex, face, u, v). Payload 4 and 5: vertices of the slice, first and end.
+
+uint rate_of(uint edge) { return state[rates_at() + edge]; }
+#include "limn/tess_counts.glsl"
+
+void main() {
+    const uint invocation = global_invocation(), lanes = kMode == kTessCorners ? 1 : kLanes;
+    const uint item = invocation / lanes;
+    if (is_empty()) return;
+    // The item's vertices [begin, end), and those of them within the slice.
+    uint begin = item, end = item + 1, face = item, place = 0, rate = 0;
+    TessPattern pattern;
+    if (kMode == kTessCorners) {
+        if (item >= params.corner_count) return;
+        const uint at = params.table.corners + kTessCornerWords * item;
+        face = WORD(at);
+        place = WORD(at + 1);
+    } else {
+        if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
+        const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
+        begin = state[at];
+        end = state[at + 2];
+        if (begin == end) return;
+        if (kMode == kTessRows) {
+            rate = rate_of(row_word(item, 0));
+            face = row_word(item, 1);
+            place = row_word(item, 2);
+        } else {
+            pattern = pattern_of(item);
+        }
+    }
+    const uint first = max(begin, payload(4)), last = min(end, payload(5));
+    for (uint vertex = first + invocation % lanes; vertex < last; vertex += lanes) {
+        float u, v;
+        if (kMode == kTessCorners) {
+            u = float(place & 3) * 0.5;
+            v = float(place >> 2) * 0.5;
+        } else if (kMode == kTessRows) {
+            locate_on_row(place, point_on_side(rate, kFractional, vertex - begin + 1), u, v);
+        } else {
+            locate_inner_vertex(pattern, vertex - begin, u, v);
+        }
+        visit(vertex, face, u, v);
+    }
+}
