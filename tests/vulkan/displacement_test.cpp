@@ -1,6 +1,7 @@
 // Displaced tessellations: against the same in double, and where the displaced surface is known in closed form.
 #include <vulkan/vulkan.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -184,10 +185,11 @@ TEST_F(Displacement, ComesFromATexture) {
     for (TestMesh shape : limn::test::face_varying_shapes()) {
         // Four faces at an edge have no normal there.
         if (!shape.name.ends_with("edge_only") || shape.name.find("sharing_an_edge") != std::string::npos) continue;
-        float low = HUGE_VALF, high = -HUGE_VALF;
-        for (const float x : shape.channels[0].values) low = std::min(low, x), high = std::max(high, x);
-        // Into the part of the texture that is linear.
-        for (float& x : shape.channels[0].values) x = 0.1f + 0.8f * (x - low) / (high - low);
+        for (limn::test::TestChannel& channel : shape.channels) {  // into the part of the texture that is linear
+            const auto [low, high] = std::minmax_element(channel.values.begin(), channel.values.end());
+            const float from = *low, size_of_values = *high - *low;
+            for (float& x : channel.values) x = 0.1f + 0.8f * (x - from) / size_of_values;
+        }
         const HeightTexture heights{.view = texture.view, .sampler = texture.sampler, .scale = 0.05f, .bias = 0.01f};
         TessellationRequest request;
         request.settings.value = 5;
