@@ -183,8 +183,10 @@ TEST_F(Displacement, ComesFromATexture) {
     const Texture texture(device(), size, texels);
     size_t with_seams = 0;
     for (TestMesh shape : limn::test::face_varying_shapes()) {
-        // Four faces at an edge have no normal there.
-        if (!shape.name.ends_with("edge_only") || shape.name.find("sharing_an_edge") != std::string::npos) continue;
+        // Four faces at an edge have no normal there; smooth channels with Chaikin creases no table.
+        if (!shape.name.ends_with("edge_only") || shape.name.find("sharing_an_edge") != std::string::npos ||
+            shape.name.find("chaikin") != std::string::npos)
+            continue;
         for (limn::test::TestChannel& channel : shape.channels) {  // into the part of the texture that is linear
             const auto [low, high] = std::minmax_element(channel.values.begin(), channel.values.end());
             const float from = *low, size_of_values = *high - *low;

@@ -1,0 +1,453 @@
+// From what is asked for to dispatches with all bound.
+#include <algorithm>
+#include <tuple>
+
+#include "limn/vulkan/tessellation_state.h"
+
+namespace limn::vk {
+namespace {
+
+constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
+                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kFloatGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
+
+Error bad(const char* message) {
+    return {ErrorCode::invalid_argument, message};
+}
+
+Result<void> check_points(const PointBuffer& points, uint32_t width, bool optional) {
+    if (points.buffer == VK_NULL_HANDLE) return optional ? Result<void>{} : bad("a buffer of points is null");
+    if (points.stride < width) return bad("points overlap: their stride is less than their width");
+    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
+    return {};
+}
+Result<void> check_words(const WordBuffer& words, bool optional) {
+    if (words.buffer == VK_NULL_HANDLE && !optional) return bad("a buffer is null");
+    if (words.offset_bytes % 4 != 0) return bad("the offset of a buffer is not a multiple of 4");
+    return {};
+}
+
+Result<void> check(const TessellationInfo& info) {
+    if (info.patches == nullptr || info.table == nullptr) return bad("there are no tables to tessellate");
+    if (info.table->face_count != info.patches->ptex_count) return bad("the tables are of different meshes");
+    const std::pair<const PointBuffer*, uint32_t> outputs[] = {
+        {&info.normals, 3}, {&info.places, 4}, {&info.tangents, 4}, {&info.previous_points, 3},
+        {&info.previous_positions, 3}};
+    for (const auto& [points, width] : outputs)
+        if (auto checked = check_points(*points, width, true); !checked) return checked;
+    for (const PointBuffer* points : {&info.points, &info.positions})
+        if (auto checked = check_points(*points, 3, false); !checked) return checked;
+    if ((info.previous_points.buffer == VK_NULL_HANDLE) != (info.previous_positions.buffer == VK_NULL_HANDLE))
+        return bad("previous points and positions go together");
+    for (const WordBuffer* words : {&info.indices, &info.command})
+        if (auto checked = check_words(*words, false); !checked) return checked;
+    for (const WordBuffer* words : {&info.triangle_faces, &info.result})
+        if (auto checked = check_words(*words, true); !checked) return checked;
+    if (auto checked = check_words(info.edge_rates, info.mode != RateMode::per_edge); !checked) return checked;
+    if (auto checked = check_points(info.heights, 3, true); !checked) return checked;
+    const HeightTexture& texture = info.height_texture;
+    bool has_tangent_channel = false, has_height_channel = texture.view == VK_NULL_HANDLE;
+    if (!has_height_channel && texture.sampler == VK_NULL_HANDLE) return bad("a texture of heights has no sampler");
+    for (const TessellatedChannel& channel : info.channels) {
+        if (channel.patches == nullptr || channel.channel >= info.table->channels.size())
+            return bad("there is no such channel");
+        if (channel.width < 1 || channel.width > 4) return bad("a channel has 1 to 4 components");
+        if (auto checked = check_points(channel.points, channel.width, false); !checked) return checked;
+        if (auto checked = check_points(channel.values, channel.width, true); !checked) return checked;
+        has_tangent_channel |= channel.channel == info.tangent_channel && channel.width >= 2;
+        has_height_channel |= channel.channel == texture.channel && channel.width >= 2;
+    }
+    if (!has_height_channel)
+        return bad("heights follow a channel of two components or more, which has to be among the channels");
+    if (info.tangents.buffer != VK_NULL_HANDLE && info.tangent_channel != ~0u && !has_tangent_channel)
+        return bad("tangents follow a channel of two components or more, which has to be among the channels");
+    return {};
+}
+
+}  // namespace
+
+/// Per-vertex outputs of one dispatch: one or two.
+struct VertexOutput {
+    TessKernel kernel;
+    uint32_t output;
+    PointBuffer first;
+    uint32_t first_width;
+    PointBuffer second = {};  ///< optional
+    uint32_t second_width = 0;
+    uint32_t source = 0;  ///< which local points
+    shared::TreeOffsets trees = {};
+    BoundBuffer second_source = {};  ///< what is read beside them; optional
+    std::array<uint32_t, 5> payload = {};  ///< from 6 on
+};
+
+/// Builds the dispatches of one tessellation.
+struct TessellationPreparation {
+    Tessellator::State& tessellator;
+    const TessellationInfo& info;
+    Tessellation::State& out;
+    uint32_t lanes_of_faces, lanes_of_rows;
+    std::vector<VkDeviceSize> local_bytes = {};
+    PointBuffer heights = {};  ///< the caller's, or limn's own
+
+    const Device& device() const { return *tessellator.device; }
+    const DeviceTessellationTable& table() const { return *info.table; }
+
+    BoundBuffer read(VkBuffer buffer, VkDeviceSize bytes, VkFormat format) const {
+        return {buffer, 0, bytes,
+                tessellator.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
+    }
+    /// `bytes` from byte `begin` of a buffer that is written; `base` is where they begin, in words of what is bound.
+    BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t bytes, uint32_t& base) const {
+        const uint64_t alignment = std::max<uint64_t>(4, device().properties.limits.minStorageBufferOffsetAlignment);
+        const uint64_t aligned = begin - begin % alignment;
+        base = static_cast<uint32_t>((begin - aligned) / 4);
+        return {buffer, aligned, begin + bytes - aligned, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    BoundBuffer state_words() const {
+        return {out.words.handle, 0, out.words.size_bytes, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    BoundBuffer local(uint32_t source) const {
+        return read(out.local[source].handle, local_bytes[source], kFloatGroups);
+    }
+
+    Result<VkDescriptorSet> add_set(const BoundBuffer& local_points, const BoundBuffer& second, const BoundBuffer& first_out,
+                                    const BoundBuffer& second_out) {
+        const VkDeviceSize bytes = table().words.size_bytes;
+        const BoundBuffer buffers[] = {read(table().words.handle, bytes, kWords),
+                                       read(table().words.handle, bytes, kWordGroups),
+                                       local_points,
+                                       second,
+                                       state_words(),
+                                       first_out,
+                                       second_out};
+        const VkPhysicalDeviceLimits& limits = device().properties.limits;
+        for (const BoundBuffer& b : buffers) {
+            const uint64_t element = b.format == kWordGroups || b.format == kFloatGroups ? 16 : 4;
+            const uint64_t most = b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                      ? limits.maxStorageBufferRange
+                                      : limits.maxTexelBufferElements * element;
+            if (b.size_bytes > most)
+                return Error{ErrorCode::unsupported, "a tessellation needs " + std::to_string(b.size_bytes) +
+                                                         " bytes of one buffer at once, and the device binds " +
+                                                         std::to_string(most)};
+        }
+        const bool texture = second.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        Recording& sets = texture ? out.height_sets : out.sets;
+        return sets.add_set(tessellator.kernels[texture ? kTessHeightKernel : kTessBudgetKernel].set_layout, buffers);
+    }
+
+    TessParams params(const shared::TreeOffsets& trees) const {
+        TessParams p = {};
+        p.tree = trees;
+        p.table = table().offsets;
+        p.face_count = table().face_count;
+        p.row_count = table().row_count;
+        p.corner_count = table().corner_count;
+        p.rate_edge_count = table().rate_edge_count;
+        p.max_rate = out.max_rate;
+        p.payload[1] = word(info.vertex_capacity);
+        p.payload[2] = word(info.triangle_capacity);
+        return p;
+    }
+    Result<Dispatch> dispatch(TessKernel kernel, VkDescriptorSet set, uint64_t invocations, const TessParams& p,
+                              uint32_t mode = 0, uint32_t output = 0, uint32_t lanes = 1) {
+        auto pipeline = tessellator.pipeline(
+            kernel, {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output, lanes});
+        if (!pipeline) return pipeline.error();
+        const uint64_t groups = (invocations - 1) / shared::kTessWorkgroupSize + 1;
+        return out.sets.make_dispatch(*pipeline, set, groups, p);
+    }
+
+    Result<void> add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees, const PointBuffer& points,
+                           uint32_t width);
+    Result<void> add_rates();
+    Result<void> add_triangles();
+    Result<void> add_output(const VertexOutput& output, Stage& stage);
+    Result<void> add_heights(const std::vector<uint32_t>& channel_sources);
+    Result<void> add_displacement();
+    Result<void> add_outputs();
+    Result<void> add_copies(const PointBuffer& positions);
+};
+
+Result<void> TessellationPreparation::add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees,
+                                    const PointBuffer& points, uint32_t width) {
+    const VkDeviceSize bytes = std::max<VkDeviceSize>(VkDeviceSize{trees.local_count} * 16, 16);
+    auto buffer = create_buffer(device(), bytes, kPointUsage, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    local_bytes.push_back(bytes);
+    auto grid = tessellator.surfaces.prepare_grid({.patches = &patches,
+                                                   .grid = &trees.local_points,
+                                                   .width = width,
+                                                   .points = points,
+                                                   .values = {buffer->handle, 0, 0, 4}});
+    if (!grid) return grid.error();
+    out.local.push_back(std::move(*buffer));
+    out.local_points.push_back(std::move(*grid));
+    return {};
+}
+
+/// From points to where the vertices and triangles of each face begin.
+Result<void> TessellationPreparation::add_rates() {
+    const bool given = info.mode == RateMode::per_edge;
+    TessParams p = params(table().vertices.offsets);
+    BoundBuffer second = local(0);
+    if (given) {
+        const uint64_t alignment =
+            tessellator.texel ? std::max<uint64_t>(4, device().properties.limits.minTexelBufferOffsetAlignment)
+                              : device().properties.limits.minStorageBufferOffsetAlignment;
+        const uint64_t begin = info.edge_rates.offset_bytes, aligned = begin - begin % std::max<uint64_t>(alignment, 16);
+        second = read(info.edge_rates.buffer, begin + 4ull * table().rate_edge_count - aligned, kFloats);
+        second.offset_bytes = aligned;
+        p.payload[15] = word(static_cast<uint32_t>((begin - aligned) / 4));
+    }
+    uint32_t command = 0, result = shared::kNoFace;
+    const BoundBuffer command_out = write(info.command.buffer, info.command.offset_bytes, 20, command);
+    const BoundBuffer result_out = info.result.buffer != VK_NULL_HANDLE
+                                       ? write(info.result.buffer, info.result.offset_bytes, 16, result)
+                                       : state_words();
+    auto set = add_set(local(0), second, command_out, result_out);
+    if (!set) return set.error();
+    const uint64_t edges = table().rate_edge_count, faces = table().face_count,
+                   items = uint64_t{table().row_count} + faces;
+    Result<void> failed;
+    const auto add = [&](TessKernel kernel, uint64_t invocations, const TessParams& constants, uint32_t mode) {
+        auto made = dispatch(kernel, *set, std::max<uint64_t>(invocations, 1), constants, mode);
+        if (!made && failed) failed = made.error();
+        return made ? *made : Dispatch{};
+    };
+    out.begin = add(kTessBudgetKernel, 1, p, 0);
+    out.targets = add(kTessTargetKernel, edges, p, static_cast<uint32_t>(info.mode));
+    const uint32_t culling = (info.cull_outside ? shared::kTessCullOutside : 0) |
+                             (info.cull_backfaces ? shared::kTessCullBackfaces : 0);
+    out.drawn = add(kTessDrawnKernel, faces, p, culling);
+    p.payload[0] = info.mode == RateMode::screen_length || info.mode == RateMode::pixel_error ||
+                   info.mode == RateMode::chord_error;
+    p.payload[4] = word(command);
+    p.payload[5] = word(result);
+    if (info.fit_capacity)
+        for (const uint32_t mode : {1u, 2u}) {
+            out.rates.push_back({add(kTessTrialKernel, items, p, 0)});
+            out.rates.push_back({add(kTessBudgetKernel, 1, p, mode)});
+        }
+    out.rates.push_back({add(kTessRoundKernel, edges, p, 0)});
+    out.rates.push_back({add(kTessCountKernel, items, p, 0)});
+    out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
+    out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
+    return failed;
+}
+
+/// How many elements of so many bytes are bound at once.
+static uint64_t slice_size(const Device& device, uint64_t element_bytes) {
+    return std::max<uint64_t>(1, (device.properties.limits.maxStorageBufferRange - 4096) / element_bytes);
+}
+
+Result<void> TessellationPreparation::add_triangles() {
+    const uint64_t slice = slice_size(device(), 12);
+    for (uint64_t first = 0; first == 0 || first < info.triangle_capacity; first += slice) {
+        const uint64_t count = std::min<uint64_t>(slice, info.triangle_capacity - first);
+        if (count == 0) break;
+        TessParams p = params(table().vertices.offsets);
+        uint32_t indices = 0, faces = 0;
+        const bool has_faces = info.triangle_faces.buffer != VK_NULL_HANDLE;
+        const BoundBuffer indices_out =
+            write(info.indices.buffer, info.indices.offset_bytes + 12 * first, 12 * count, indices);
+        const BoundBuffer faces_out =
+            has_faces ? write(info.triangle_faces.buffer, info.triangle_faces.offset_bytes + 4 * first, 4 * count, faces)
+                      : indices_out;
+        auto set = add_set(local(0), local(0), indices_out, faces_out);
+        if (!set) return set.error();
+        p.payload[0] = word(indices);
+        p.payload[2] = word(faces);
+        p.payload[4] = word(static_cast<uint32_t>(first));
+        p.payload[5] = word(static_cast<uint32_t>(first + count));
+        auto made = dispatch(kTessTrianglesKernel, *set, uint64_t{table().face_count} * lanes_of_faces, p, 0, has_faces,
+                             lanes_of_faces);
+        if (!made) return made.error();
+        out.triangles.push_back(*made);
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_output(const VertexOutput& output, Stage& stage) {
+    const bool two = output.second.buffer != VK_NULL_HANDLE;
+    const uint64_t slice = slice_size(device(), 4ull * std::max(output.first.stride, two ? output.second.stride : 1));
+    for (uint64_t first = 0; first < info.vertex_capacity; first += slice) {
+        const uint64_t end = std::min<uint64_t>(info.vertex_capacity, first + slice);
+        uint32_t first_base = 0, second_base = 0;
+        const auto bind = [&](const PointBuffer& points, uint32_t width, uint32_t& base) {
+            const uint64_t begin = points.offset_bytes + 4 * (points.first + first * points.stride);
+            return write(points.buffer, begin, 4 * ((end - first - 1) * points.stride + width), base);
+        };
+        const BoundBuffer first_out = bind(output.first, output.first_width, first_base);
+        const BoundBuffer second_out = two ? bind(output.second, output.second_width, second_base) : first_out;
+        auto set = add_set(local(output.source),
+                           output.second_source.size_bytes != 0 ? output.second_source : local(output.source), first_out,
+                           second_out);
+        if (!set) return set.error();
+        TessParams p = params(output.trees);
+        const uint32_t payload[6] = {first_base,           output.first.stride,          second_base,
+                                     output.second.stride, static_cast<uint32_t>(first), static_cast<uint32_t>(end)};
+        for (int i = 0; i < 6; ++i) p.payload[i] = word(payload[i]);
+        for (size_t i = 0; i < output.payload.size(); ++i) p.payload[6 + i] = word(output.payload[i]);
+        const std::tuple<uint32_t, uint64_t, uint32_t> domains[] = {
+            {shared::kTessCorners, table().corner_count, 1},
+            {shared::kTessRows, table().row_count, lanes_of_rows},
+            {shared::kTessFaces, table().face_count, lanes_of_faces}};
+        for (const auto& [domain, count, lanes] : domains) {
+            if (count == 0) continue;
+            auto made = dispatch(output.kernel, *set, count * lanes, p, domain, output.output, lanes);
+            if (!made) return made.error();
+            stage.push_back(*made);
+        }
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_copies(const PointBuffer& positions) {
+    const uint32_t corners = table().corner_copy_count, rows = table().row_copy_count;
+    if (corners + rows == 0 || info.vertex_capacity == 0) return {};
+    uint32_t base = 0;
+    const BoundBuffer bound = write(positions.buffer, positions.offset_bytes + 4 * positions.first,
+                                    4 * ((uint64_t{info.vertex_capacity} - 1) * positions.stride + 3), base);
+    auto set = add_set(local(0), local(0), bound, bound);
+    if (!set) return set.error();
+    TessParams p = params(table().vertices.offsets);
+    p.payload[0] = word(base);
+    p.payload[1] = word(positions.stride);
+    const std::tuple<uint32_t, uint32_t, uint32_t, uint32_t> domains[] = {
+        {shared::kTessCorners, corners, 0, 1}, {shared::kTessRows, rows, corners, lanes_of_rows}};
+    for (const auto& [domain, count, first, lanes] : domains) {
+        if (count == 0) continue;
+        p.payload[7] = word(count);
+        p.payload[8] = word(first);
+        auto made = dispatch(kTessCopyKernel, *set, uint64_t{count} * lanes, p, domain, 0, lanes);
+        if (!made) return made.error();
+        out.copies.push_back(*made);
+    }
+    return {};
+}
+
+/// Heights by the texture, and what they move.
+Result<void> TessellationPreparation::add_heights(const std::vector<uint32_t>& channel_sources) {
+    const HeightTexture& texture = info.height_texture;
+    for (size_t c = 0; c < info.channels.size(); ++c) {
+        if (info.channels[c].channel != texture.channel) continue;
+        BoundBuffer image = {};
+        image.type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        image.size_bytes = 1;
+        image.image = {texture.sampler, texture.view, texture.layout};
+        return add_output({.kernel = kTessHeightKernel,
+                           .output = shared::kTessOutputValue,
+                           .first = heights,
+                           .first_width = 3,
+                           .source = channel_sources[c],
+                           .trees = table().channels[texture.channel].offsets,
+                           .second_source = image,
+                           .payload = {std::bit_cast<uint32_t>(texture.scale), std::bit_cast<uint32_t>(texture.bias)}},
+                          out.heights);
+    }
+    return {};
+}
+
+Result<void> TessellationPreparation::add_displacement() {
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE;
+    const uint64_t begin = heights.offset_bytes + 4 * heights.first;
+    const VkPhysicalDeviceLimits& limits = device().properties.limits;
+    const uint64_t alignment = std::max<uint64_t>(16, tessellator.texel ? limits.minTexelBufferOffsetAlignment
+                                                                        : limits.minStorageBufferOffsetAlignment);
+    const uint64_t aligned = begin - begin % alignment;
+    const uint64_t floats = (uint64_t{info.vertex_capacity} - 1) * heights.stride + 3;
+    BoundBuffer source = read(heights.buffer, begin + 4 * floats - aligned, kFloats);
+    source.offset_bytes = aligned;
+    return add_output({.kernel = kTessDisplaceKernel,
+                       .output = normals ? shared::kTessOutputNormal : shared::kTessOutputValue,
+                       .first = info.positions,
+                       .first_width = 3,
+                       .second = info.normals,
+                       .second_width = 3,
+                       .trees = table().vertices.offsets,
+                       .second_source = source,
+                       .payload = {static_cast<uint32_t>((begin - aligned) / 4), heights.stride}},
+                      out.displacement);
+}
+
+Result<void> TessellationPreparation::add_outputs() {
+    const shared::TreeOffsets& trees = table().vertices.offsets;
+    const bool normals = info.normals.buffer != VK_NULL_HANDLE, texture = info.height_texture.view != VK_NULL_HANDLE;
+    heights = info.heights;
+    if (texture && heights.buffer == VK_NULL_HANDLE) {
+        auto buffer = create_buffer(device(), 12ull * info.vertex_capacity, kPointUsage, MemoryUse::device);
+        if (!buffer) return buffer.error();
+        out.own_heights = std::move(*buffer);
+        heights = {.buffer = out.own_heights.handle};
+    }
+    std::vector<VertexOutput> outputs;
+    if (!texture)  // else displacement writes them at once
+        outputs.push_back({kTessVerticesKernel, normals ? shared::kTessOutputNormal : shared::kTessOutputValue,
+                           info.positions, 3, info.normals, 3, 0, trees, {}, {3}});
+    if (info.places.buffer != VK_NULL_HANDLE)
+        outputs.push_back({kTessVerticesKernel, shared::kTessOutputPlace, info.places, 4, {}, 0, 0, trees});
+    VertexOutput tangents = {kTessVerticesKernel, shared::kTessOutputTangent, info.tangents, 4, {}, 0, 0, trees, {},
+                             {0, shared::kNoFace}};
+    std::vector<uint32_t> channel_sources;
+    for (const TessellatedChannel& channel : info.channels) {
+        const DevicePatchTrees& own = table().channels[channel.channel];
+        if (auto added = add_local(*channel.patches, own, channel.points, channel.width); !added) return added;
+        channel_sources.push_back(static_cast<uint32_t>(out.local.size() - 1));
+        if (channel.channel == info.tangent_channel) {
+            tangents.second_source = local(channel_sources.back());
+            tangents.payload = {0, own.offsets.ptex_surfaces, own.offsets.surfaces, own.offsets.nodes,
+                                own.offsets.leaf_points};
+        }
+        if (channel.values.buffer != VK_NULL_HANDLE)
+            outputs.push_back({kTessVerticesKernel, shared::kTessOutputValue, channel.values, channel.width, {}, 0,
+                               channel_sources.back(), own.offsets, {}, {channel.width}});
+    }
+    if (info.tangents.buffer != VK_NULL_HANDLE) outputs.push_back(tangents);
+    if (info.previous_points.buffer != VK_NULL_HANDLE) {
+        if (auto added = add_local(*info.patches, table().vertices, info.previous_points, 3); !added) return added;
+        outputs.push_back({kTessVerticesKernel, shared::kTessOutputValue, info.previous_positions, 3, {}, 0,
+                           static_cast<uint32_t>(out.local.size() - 1), trees, {}, {3}});
+    }
+    for (const VertexOutput& output : outputs)
+        if (auto added = add_output(output, out.vertices); !added) return added;
+    if (heights.buffer != VK_NULL_HANDLE && info.vertex_capacity != 0) {
+        if (texture)
+            if (auto added = add_heights(channel_sources); !added) return added;
+        if (auto added = add_displacement(); !added) return added;
+    }
+    if (auto added = add_copies(info.positions); !added) return added;
+    if (info.previous_points.buffer == VK_NULL_HANDLE) return {};
+    return add_copies(info.previous_positions);
+}
+
+Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
+    if (auto checked = check(info); !checked) return checked.error();
+    Tessellation tessellation;
+    Tessellation::State& out = *tessellation.state_;
+    const DeviceTessellationTable& table = *info.table;
+    out.sets.device = state_->device;
+    out.sets.layout = state_->kernels[0].layout;
+    out.sets.push_constant_bytes = sizeof(TessParams);
+    out.height_sets.device = state_->device;
+    out.height_sets.layout = state_->kernels[kTessHeightKernel].layout;
+    out.height_sets.push_constant_bytes = sizeof(TessParams);
+    out.mode = info.mode;
+    out.spacing = info.spacing;
+    out.cull_outside = info.cull_outside;
+    out.cull_backfaces = info.cull_backfaces;
+    out.max_rate = table.max_rate;
+    const VkDeviceSize words =
+        4ull * shared::tess_state_words(table.rate_edge_count, table.face_count, table.row_count);
+    auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
+    if (!buffer) return buffer.error();
+    out.words = std::move(*buffer);
+    // llvmpipe runs 8 invocations as one: with 8 a face, faces never wait for each other.
+    TessellationPreparation preparation{*state_, info, out, state_->texel ? 8u : 32u, 8u};
+    if (auto added = preparation.add_local(*info.patches, table.vertices, info.points, 3); !added) return added.error();
+    if (auto added = preparation.add_rates(); !added) return added.error();
+    if (auto added = preparation.add_triangles(); !added) return added.error();
+    if (auto added = preparation.add_outputs(); !added) return added.error();
+    return tessellation;
+}
+
+}  // namespace limn::vk

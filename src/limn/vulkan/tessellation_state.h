@@ -1,0 +1,70 @@
+// What a tessellation and the tessellator hold. Not part of the public interface.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "limn/vulkan/recording.h"
+#include "limn/vulkan/surface_evaluator.h"
+#include "limn/vulkan/tessellator.h"
+#include "limn/vulkan/tessellator_kernels.h"
+
+namespace limn::vk {
+
+using shared::TessParams;
+using Dispatch = Recording::Dispatch;
+using Stage = std::vector<Dispatch>;  ///< dispatches that need no barrier between them
+
+/// A word of a payload.
+inline float word(uint32_t value) {
+    return std::bit_cast<float>(value);
+}
+
+struct Tessellation::State {
+    Recording sets, height_sets;
+    Buffer words;                        ///< limn/shared/tess_params.h
+    std::vector<Buffer> local;           ///< of vertices, channels, the last frame
+    std::vector<SurfaceEvaluation> local_points;
+    Dispatch begin = {}, targets = {}, drawn = {};
+    std::vector<Stage> rates;  ///< from targets and drawn faces to offsets
+    Stage vertices, triangles, copies, displacement, heights;
+    Buffer own_heights;
+    RateMode mode = RateMode::uniform;
+    TessellationSpacing spacing = TessellationSpacing::integer;
+    bool cull_outside = false, cull_backfaces = false;
+    uint32_t max_rate = 0;
+
+    const Device& device() const { return *sets.device; }
+    void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
+    void record_positions(VkCommandBuffer commands, const Stage& stage) const;
+};
+
+struct Tessellator::State {
+    const Device* device = nullptr;
+    SurfaceEvaluator surfaces;
+    Kernel kernels[kTessKernelCount];
+    bool texel = false;
+    std::mutex mutex;  // guards pipelines
+    std::map<std::pair<TessKernel, std::array<uint32_t, 5>>, VkPipeline> pipelines;
+
+    explicit State(SurfaceEvaluator evaluator) : surfaces(std::move(evaluator)) {}
+    ~State() {
+        for (const auto& [key, pipeline] : pipelines)
+            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
+    }
+    Result<VkPipeline> pipeline(TessKernel name, const std::array<uint32_t, 5>& constants) {
+        const std::lock_guard lock(mutex);
+        VkPipeline& pipeline = pipelines[{name, constants}];
+        if (pipeline == VK_NULL_HANDLE) {
+            auto created = create_pipeline(kernels[name], constants);
+            if (!created) return created.error();
+            pipeline = *created;
+        }
+        return pipeline;
+    }
+};
+
+}  // namespace limn::vk
