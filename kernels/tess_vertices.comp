@@ -63,7 +63,7 @@ void visit(uint vertex, uint face, float u, float v) {
         evaluate_leaf(leaf, points, here, du, dv);
         if (attempt == 0) value = here;
         across = cross(du.xyz, dv.xyz);
-        if (kOutput == kTessOutputValue || dot(across, across) > 0) break;
+        if (kOutput == kTessOutputValue || dot(across, across) > 1e-10 * dot(du.xyz, du.xyz) * dot(dv.xyz, dv.xyz)) break;
     }
     if (kOutput == kTessOutputValue) {
         const uint width = payload(6);
