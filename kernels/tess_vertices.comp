@@ -63,7 +63,8 @@ void visit(uint vertex, uint face, float u, float v) {
         evaluate_leaf(leaf, points, here, du, dv);
         if (attempt == 0) value = here;
         across = cross(du.xyz, dv.xyz);
-        if (kOutput == kTessOutputValue || dot(across, across) > 1e-10 * dot(du.xyz, du.xyz) * dot(dv.xyz, dv.xyz)) break;
+        const float longest = max(dot(du.xyz, du.xyz), dot(dv.xyz, dv.xyz));
+        if (kOutput == kTessOutputValue || dot(across, across) > 1e-10 * longest * longest) break;
     }
     if (kOutput == kTessOutputValue) {
         const uint width = payload(6);
