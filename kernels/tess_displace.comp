@@ -42,8 +42,7 @@ void visit(uint vertex, uint face, float u, float v) {
     first_out[at + 1] = position.y;
     first_out[at + 2] = position.z;
     if (kOutput != kTessOutputNormal) return;
-    const vec3 across = cross(along[0], along[1]);
-    const vec3 normal = dot(across, across) > 0 ? unit_normal(along[0], along[1]) : undisplaced;
+    const vec3 normal = spans_plane(along[0], along[1]) ? unit_normal(along[0], along[1]) : undisplaced;
     const uint second_at = payload(2) + (vertex - payload(4)) * payload(3);
     second_out[second_at] = normal.x;
     second_out[second_at + 1] = normal.y;

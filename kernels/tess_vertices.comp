@@ -53,7 +53,6 @@ void visit(uint vertex, uint face, float u, float v) {
         return;
     }
     vec4 value, du, dv;
-    vec3 across;
     // Where tangents span no plane (collapsed edges, cusps), the normal is that of a place further inside.
     for (uint attempt = 0; attempt < 2; ++attempt) {
         const float middle = kTriangles != 0 ? 1.0 / 3.0 : 0.5, inwards = float(attempt) * 0.25;
@@ -62,9 +61,7 @@ void visit(uint vertex, uint face, float u, float v) {
         load_leaf(leaf, points);
         evaluate_leaf(leaf, points, here, du, dv);
         if (attempt == 0) value = here;
-        across = cross(du.xyz, dv.xyz);
-        const float longest = max(dot(du.xyz, du.xyz), dot(dv.xyz, dv.xyz));
-        if (kOutput == kTessOutputValue || dot(across, across) > 1e-10 * longest * longest) break;
+        if (kOutput == kTessOutputValue || spans_plane(du.xyz, dv.xyz)) break;
     }
     if (kOutput == kTessOutputValue) {
         const uint width = payload(6);

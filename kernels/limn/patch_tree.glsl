@@ -112,10 +112,15 @@ void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out 
     dv = u * leaf.at.uv + v * leaf.at.vv;
 }
 
+// More than rounding would make of tangents that span none.
+bool spans_plane(vec3 du, vec3 dv) {
+    const vec3 normal = cross(du, dv);
+    const float longest = max(dot(du, du), dot(dv, dv));
+    return dot(normal, normal) > 1e-10 * longest * longest;
+}
 vec3 unit_normal(vec3 du, vec3 dv) {
     const vec3 normal = cross(du, dv);
-    const float square = dot(normal, normal);
-    return square > 0 ? normal * inversesqrt(square) : vec3(0, 0, 1);
+    return spans_plane(du, dv) ? normal * inversesqrt(dot(normal, normal)) : vec3(0, 0, 1);
 }
 
 vec3 tree_point(TreeOffsets tree, uint face, float u, float v) {
