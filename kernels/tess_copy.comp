@@ -24,6 +24,6 @@ void main() {
         return;
     }
     const uint to = items_at() + 2 * WORD(at), from = items_at() + 2 * WORD(at + 1);
-    const uint to_begin = state[to], from_begin = state[from], count = state[to + 2] - to_begin;
+    const uint to_begin = SETTLED(to), from_begin = SETTLED(from), count = SETTLED(to + 2) - to_begin;
     for (uint i = invocation % lanes; i < count; i += lanes) copy_vertex(to_begin + i, from_begin + i);
 }

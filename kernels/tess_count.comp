@@ -5,7 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_bindings.glsl"
 
-uint rate_of(uint edge) { return state[rates_at() + edge]; }
+uint rate_of(uint edge) { return SETTLED(rates_at() + edge); }
 #include "limn/tess_counts.glsl"
 
 shared uint sums[2];

@@ -77,7 +77,7 @@ void main() {
     bool drawn = true;
     for (uint k = 0; k < (kTriangles != 0 ? 3 : 4); ++k) {
         const uint side = face_word(face, k);
-        const float target = uintBitsToFloat(state[kTessTargets + row_word(side_row(side == kNoSide ? 0 : side), 0)]);
+        const float target = uintBitsToFloat(SETTLED(kTessTargets + row_word(side_row(side == kNoSide ? 0 : side), 0)));
         drawn = drawn && side != kNoSide && is_finite_number(target) && target > 0;
     }
     if (drawn && (kMode & kTessCullOutside) != 0) drawn = !is_outside(face);

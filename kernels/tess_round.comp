@@ -9,8 +9,8 @@
 void main() {
     const uint edge = global_invocation();
     if (edge >= params.rate_edge_count) return;
-    const float scale = uintBitsToFloat(state[kTessResultScale]);
+    const float scale = uintBitsToFloat(SETTLED(kTessResultScale));
     state[rates_at() + edge] =
-        round_rate(uintBitsToFloat(state[kTessTargets + edge]), scale, kSpacing, params.max_rate, edge_word(edge, 0),
+        round_rate(uintBitsToFloat(SETTLED(kTessTargets + edge)), scale, kSpacing, params.max_rate, edge_word(edge, 0),
                    params.payload[0] != 0, scale < 1 ? rate_dither(edge) : -1.0);
 }

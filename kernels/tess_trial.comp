@@ -8,7 +8,7 @@
 
 float trial_scale;
 uint rate_of(uint edge) {
-    return round_rate(uintBitsToFloat(state[kTessTargets + edge]), trial_scale, kSpacing, params.max_rate,
+    return round_rate(uintBitsToFloat(SETTLED(kTessTargets + edge)), trial_scale, kSpacing, params.max_rate,
                       edge_word(edge, 0), params.payload[0] != 0, trial_scale < 1 ? rate_dither(edge) : -1.0);
 }
 #include "limn/tess_counts.glsl"
@@ -26,7 +26,7 @@ void main() {
     const uint item = global_invocation();
     if (item < item_count()) {
         for (uint trial = 0; trial < kTessTrials; ++trial) {
-            trial_scale = uintBitsToFloat(state[trials_at() + 4 * kTessTrials + trial]);
+            trial_scale = uintBitsToFloat(SETTLED(trials_at() + 4 * kTessTrials + trial));
             const uvec2 count = count_item(item);
             if (count.x != 0) atomicAdd(sums[2 * trial], count.x);
             if (count.y != 0) atomicAdd(sums[2 * trial + 1], count.y);

@@ -9,7 +9,7 @@
 layout(std430, binding = kTessOutBinding) writeonly buffer Indices { uint indices[]; };
 layout(std430, binding = kTessOut2Binding) writeonly buffer Faces { uint triangle_faces[]; };
 
-uint rate_of(uint edge) { return state[rates_at() + edge]; }
+uint rate_of(uint edge) { return SETTLED(rates_at() + edge); }
 #include "limn/tess_counts.glsl"
 
 // A side as vertices see it: point i is vertex first + step * i, but for both ends and, of halves, the middle.
@@ -28,11 +28,11 @@ Side read_side(uint face, uint k, TessPattern p) {
     side.end = face_word(face, 4 + (k + 1) % side_count(p));
     side.step = reversed ? ~0u : 1;
     // Points of a row are 1 .. n - 1; reversed n - i.
-    side.first = state[items_at() + 2 * row] - 1;
+    side.first = SETTLED(items_at() + 2 * row) - 1;
     side.second_first = side.first;
     side.middle = 0;
     if (p.halves[k]) {
-        const uint next = state[items_at() + 2 * (row + 1)] - 1 - n / 2;
+        const uint next = SETTLED(items_at() + 2 * (row + 1)) - 1 - n / 2;
         side.middle = row_word(row, 3);
         side.second_first = reversed ? side.first + n : next;
         side.first = reversed ? next + n : side.first;
@@ -64,8 +64,8 @@ void write(uint triangle, uint face, uint a, uint b, uint c) {
 void main() {
     const uint invocation = global_invocation(), face = invocation / kLanes, lane = invocation % kLanes;
     if (face >= params.face_count || is_empty() || !is_drawn(face)) return;
-    const uint item = items_at() + 2 * (params.row_count + face), inner = state[item];
-    uint triangle = state[item + 1];
+    const uint item = items_at() + 2 * (params.row_count + face), inner = SETTLED(item);
+    uint triangle = SETTLED(item + 1);
     const TessPattern p = pattern_of(face);
     Side sides[4];
     [[unroll]] for (uint k = 0; k < 4; ++k) sides[k] = read_side(face, kTriangles != 0 ? min(k, 2) : k, p);

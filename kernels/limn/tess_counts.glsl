@@ -13,7 +13,7 @@ TessPattern pattern_of(uint face) {
     return make_pattern(kTriangles != 0, kSpacing, rates[0], rates[1], rates[2], rates[3], halves);
 }
 
-bool is_drawn(uint face) { return state[drawn_at() + face] != 0; }
+bool is_drawn(uint face) { return SETTLED(drawn_at() + face) != 0; }
 
 // Items are rows, then faces. Rows lie beside a face that is drawn, or have no vertices.
 uvec2 count_item(uint item) {

@@ -1,7 +1,7 @@
 // All vertices of a domain (kMode), each once: corners one invocation each, rows and faces kLanes invocations each, which
 // take turns. Before it: visit(vertex, face, u, v). Payload 4 and 5: vertices of the slice, first and end.
 
-uint rate_of(uint edge) { return state[rates_at() + edge]; }
+uint rate_of(uint edge) { return SETTLED(rates_at() + edge); }
 #include "limn/tess_counts.glsl"
 
 void main() {
@@ -19,8 +19,8 @@ void main() {
     } else {
         if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
         const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
-        begin = state[at];
-        end = state[at + 2];
+        begin = SETTLED(at);
+        end = SETTLED(at + 2);
         if (begin == end) return;
         if (kMode == kTessRows) {
             rate = rate_of(row_word(item, 0));

@@ -17,7 +17,8 @@ const uint kTessSecondBinding = 3;      // those of a channel, or rates of the c
 const uint kTessStateBinding = 4;
 const uint kTessOutBinding = 5;
 const uint kTessOut2Binding = 6;
-const uint kTessBindingCount = 7;
+const uint kTessSettledBinding = 7;  // the state once more, for texel buffers
+const uint kTessBindingCount = 8;
 
 // Specialization constants.
 const uint kTessTrianglesConstant = 0;  // 1: Loop

@@ -118,7 +118,8 @@ struct TessellationPreparation {
                                        second,
                                        state_words(),
                                        first_out,
-                                       second_out};
+                                       second_out,
+                                       read(out.words.handle, out.words.size_bytes, kWords)};
         const VkPhysicalDeviceLimits& limits = device().properties.limits;
         for (const BoundBuffer& b : buffers) {
             const uint64_t element = b.format == kWordGroups || b.format == kFloatGroups ? 16 : 4;

@@ -183,7 +183,7 @@ Result<Tessellator> Tessellator::create(const Device& device) {
     std::vector<VkDescriptorType> bindings(shared::kTessBindingCount, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
     if (state.texel)
         for (const uint32_t b : {shared::kTessWordsBinding, shared::kTessWordGroupsBinding, shared::kTessLocalBinding,
-                                 shared::kTessSecondBinding})
+                                 shared::kTessSecondBinding, shared::kTessSettledBinding})
             bindings[b] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     for (uint32_t k = 0; k < kTessKernelCount; ++k) {
         if (k == kTessHeightKernel) bindings[shared::kTessSecondBinding] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
