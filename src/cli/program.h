@@ -64,6 +64,7 @@ void add_info(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
 void add_eval(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
+void add_render(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 
 }  // namespace limn::cli
