@@ -10,11 +10,14 @@ layout(location = 0) out vec4 color;
 
 void main() {
     const vec3 up = vec3(0, 1, 0);
-    const float key = 0.75 * max(frame.key_direction.y, 0.0);
-    const float sky = sky_light(position, up).open;
-    const float lit = (key * key_visibility(position, up) + 0.9 * sky) / (key + 0.9);
     // Towards the square's border all of it is lit.
     const float away = length(position.xz - frame.sphere.xz) / frame.sphere.w;
-    const float shade = mix(lit, 1.0, smoothstep(3.5, 5.8, away));
+    float shade = 1.0;
+    if (away < 4.5) {
+        const float key = 0.9 * max(frame.key_direction.y, 0.0);
+        const float sky = sky_light(position, up, 3.0).open;
+        const float lit = (key * key_visibility(position, up) + 0.9 * sky) / (key + 0.9);
+        shade = mix(lit, 1.0, smoothstep(2.5, 4.5, away));
+    }
     color = vec4(dither(background() * mix(1.0, shade, frame.background_centre.w)), 1);
 }

@@ -5,9 +5,9 @@ layout(set = 0, binding = kBindShadowDepth) uniform sampler2D shadow_depth;
 layout(set = 0, binding = kBindSky) uniform sampler2DShadow sky_map;
 
 const float kPi = 3.14159265;
-const float kKeyLight = 1.75;
-const float kRimLight = 1.1;
-const float kBounce = 0.32;  // of what falls on the ground
+const float kKeyLight = 2.1;
+const float kRimLight = 1.3;
+const float kBounce = 0.24;  // of what falls on the ground
 
 // Points spread evenly over the unit disk: Vogel's spiral, turned for each pixel.
 vec2 disk_point(int i, int count, float turn) {
@@ -23,6 +23,9 @@ float key_visibility(vec3 position, vec3 normal) {
     const vec3 at = (frame.shadow_from_world * vec4(position + normal * texel * (1.0 + 2.0 * slope), 1)).xyz;
     if (any(greaterThan(abs(at.xy - 0.5), vec2(0.5)))) return 1.0;  // beside all that could cast a shadow
     const float turn = 2.0 * kPi * pixel_noise(gl_FragCoord.xy);
+    // Depths beside `at` are those of the surface's tangent plane, or it would shadow itself.
+    const vec3 facing = mat3(frame.shadow_from_world) * normal;
+    const vec2 plane = -facing.xy / min(facing.z, -0.2 * length(facing));
     // Shadow maps are as deep as they are wide: depths and widths compare.
     const float spread = frame.key_direction.w;
     const float reach = spread * clamp(at.z, 0.2, 1.0);
@@ -31,7 +34,8 @@ float key_visibility(vec3 position, vec3 normal) {
     for (int i = 0; i < kSearchTaps; ++i) {
         const vec2 tap = disk_point(i, kSearchTaps, turn) * reach;
         const float depth = textureLod(shadow_depth, at.xy + tap, 0.0).r;
-        if (depth < min(at.z, 1.0) - 0.002 - 0.3 * length(tap)) blocker += depth, blocker_count += 1.0;
+        if (depth < min(at.z + dot(plane, tap), 1.0) - 0.002 - 0.05 * length(tap))
+            blocker += depth, blocker_count += 1.0;
     }
     if (blocker_count == 0.0) blocker = at.z, blocker_count = 1.0;
     const float penumbra = max(spread * (at.z - blocker / blocker_count), 1.5 * texel / (2.0 * frame.sphere.w));
@@ -39,8 +43,8 @@ float key_visibility(vec3 position, vec3 normal) {
     const int kTaps = 32;
     for (int i = 0; i < kTaps; ++i) {
         const vec2 tap = disk_point(i, kTaps, turn) * penumbra;
-        const float bias = 0.0008 + 0.25 * length(tap) * slope;
-        lit += textureLod(shadow_map, vec3(at.xy + tap, min(at.z, 1.0) - bias), 0.0);
+        const float depth = min(at.z + dot(plane, tap), 1.0) - 0.0008 - 0.05 * length(tap);
+        lit += textureLod(shadow_map, vec3(at.xy + tap, depth), 0.0);
     }
     return lit / float(kTaps);
 }
@@ -56,7 +60,8 @@ vec3 sky_tint(vec3 direction) {
     return mix(vec3(0.90, 0.97, 1.08), vec3(1.05, 1.0, 0.94), side);
 }
 
-Sky sky_light(vec3 position, vec3 normal) {
+// `blur`: how far, in texels, shadows of single directions are scattered, so that they melt into each other.
+Sky sky_light(vec3 position, vec3 normal, float blur) {
     Sky sky = Sky(vec3(0), 1.0);
     const uint count = frame.options.z;
     if (count == 0u) {
@@ -66,7 +71,7 @@ Sky sky_light(vec3 position, vec3 normal) {
     const float tile = 1.0 / float(kSkyTiles);
     const float texel = float(kSkyTiles) / float(textureSize(sky_map, 0).x);
     const vec4 from = vec4(position + normal * 2.6 * texel * frame.sphere.w, 1);
-    const vec2 jitter = disk_point(int(15.99 * pixel_noise(gl_FragCoord.yx + 5.0)), 16, 0.0) * texel * 1.5;
+    const vec2 jitter = disk_point(int(15.99 * pixel_noise(gl_FragCoord.yx + 5.0)), 16, 0.0) * texel * blur;
     float seen = 0.0, whole = 0.0;
     for (uint i = 0u; i < count; ++i) {
         const vec4 light = frame.sky_light[i];
@@ -74,7 +79,7 @@ Sky sky_light(vec3 position, vec3 normal) {
         if (weight <= 0.0) continue;
         const vec3 at = vec3(dot(frame.sky_u[i], from), dot(frame.sky_v[i], from), dot(frame.sky_depth[i], from));
         float visible = 1.0;
-        if (all(lessThan(abs(at.xy - 0.5), vec2(0.5 - 2.5 * texel)))) {
+        if (all(lessThan(abs(at.xy - 0.5), vec2(0.5 - 4.0 * texel)))) {
             const vec2 corner = vec2(i % kSkyTiles, i / kSkyTiles);
             visible = textureLod(sky_map, vec3((corner + at.xy + jitter) * tile, min(at.z, 1.0)), 0.0);
         }

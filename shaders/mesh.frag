@@ -27,7 +27,7 @@ vec3 surface_albedo(vec3 n) {
     if (mode == kColorLevel) return viridis(float(leaf.x >> 8) / 8.0);
     if (mode == kColorCurvature) {
         const float h = mean_curvature(n);
-        return blue_white_red(0.32 * sign(h) * log2(1.0 + abs(h)));
+        return blue_white_red(0.22 * sign(h) * log2(1.0 + abs(h)));
     }
     if (mode == kColorRate) {
         const float rate = 0.5 * float((leaf.y & 0xffffu) + (leaf.y >> 16));
@@ -55,8 +55,9 @@ float wrapped(float cosine) {
 
 vec3 shade(vec3 n, vec3 view, vec3 albedo, float gloss) {
     const vec3 key = frame.key_direction.xyz, rim = frame.rim_direction.xyz;
-    const float key_lit = key_visibility(position, n);
-    const Sky sky = sky_light(position, n);
+    // Where light grazes, shadow maps say little.
+    const float key_lit = key_visibility(position, n) * smoothstep(-0.12, 0.14, dot(n, key));
+    const Sky sky = sky_light(position, n, 0.8);
     // What the ground throws back, less where the surface is close to it.
     const float height = (position.y - frame.background_edge.w) / frame.sphere.w;
     const float above = frame.background_centre.w > 0.0 ? smoothstep(-0.15, 0.9, height) : 0.6;
@@ -81,7 +82,7 @@ float wireframe() {
         const float height = 1.0 / max(length(vec2(dFdx(edge[i]), dFdy(edge[i]))), 1e-6);  // pixels
         const float width = 0.5 * frame.albedo.w;
         const float cover = 1.0 - smoothstep(width - 0.5, width + 0.5, edge[i] * height);
-        line = max(line, cover * smoothstep(1.0, 9.0, height));
+        line = max(line, cover * smoothstep(1.0, 6.0, height));
     }
     return line;
 }

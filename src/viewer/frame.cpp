@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kKeyElevation = 48;
 constexpr float kKeySoftness = 0.16f;   // tangent of the light's angular radius
-constexpr float kShadowMargin = 1.04f;  // so that no shadow touches the border of its map
+constexpr float kShadowMargin = 1.06f;  // so that no shadow touches the border of its map
 
 /// Rows that take the world to a light's shadow map: u, v and depth, all in [0, 1] within the sphere.
 struct LightRows {
@@ -42,7 +42,7 @@ void add_sky(shared::FrameParams& frame, uint32_t count, const glm::vec3& centre
         frame.sky_u[i] = rows.u;
         frame.sky_v[i] = rows.v;
         frame.sky_depth[i] = rows.depth;
-        const float radiance = 0.55f + 0.55f * y;
+        const float radiance = 0.40f + 0.42f * y;
         frame.sky_light[i] = glm::vec4(direction, radiance * 2 / static_cast<float>(count));
     }
 }
@@ -69,7 +69,7 @@ shared::FrameParams build_frame_params(const Camera& camera, const Bounds& bound
     frame.background_centre = glm::vec4(settings.background.centre, ground ? 1.0f : 0.0f);
     frame.background_edge = glm::vec4(settings.background.edge, bounds.low.y);
     frame.line_color = {0.02f, 0.10f, 0.32f, 1.6f * std::max(1.0f, height / 1080)};
-    frame.albedo = {0.60f, 0.53f, 0.46f, 1.2f * std::max(1.0f, height / 1080)};
+    frame.albedo = {0.50f, 0.42f, 0.345f, 1.2f * std::max(1.0f, height / 1080)};
     using namespace shared;
     const uint32_t flags = (settings.wireframe ? kFlagWireframe : 0) |
                            (mesh.places != VK_NULL_HANDLE ? kFlagPlaces : 0) |
