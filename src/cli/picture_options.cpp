@@ -108,6 +108,15 @@ Result<VkExtent2D> parse_size(const std::string& text) {
     return size;
 }
 
+void add_size_option(CLI::App& command, std::string& size) {
+    command.add_option("--size", size, "Pixels, WIDTHxHEIGHT")
+        ->check([](const std::string& text) {
+            const auto parsed = parse_size(text);
+            return parsed ? std::string() : parsed.error().message;
+        })
+        ->capture_default_str();
+}
+
 void add_graphics_device_option(CLI::App& command, DeviceOption& option) {
     add_device_option(command, option);
     command.get_option("--device")

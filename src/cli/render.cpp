@@ -90,12 +90,7 @@ void add_render(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
     command->add_option("MODEL", options->model, "OBJ file")->required();
     command->add_option("-o,--output", options->output, "PNG file to write")->required();
-    command->add_option("--size", options->size, "Pixels, WIDTHxHEIGHT")
-        ->check([](const std::string& text) {
-            const auto size = parse_size(text);
-            return size ? std::string() : size.error().message;
-        })
-        ->capture_default_str();
+    add_size_option(*command, options->size);
     command->add_flag("--times", options->times, "Print what each pass takes on the device");
     add_look_options(*command, options->look);
     add_surface_options(*command, options->surface);

@@ -176,22 +176,23 @@ Result<void> Renderer::resize(VkExtent2D extent) {
                                          .samples = kSamples,
                                          .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
     if (!depth) return depth.error();
+    // Kept as bytes, so that user interfaces and copies to windows see sRGB; drawn to in linear light.
     auto color = create_image(*device_,
                               {.extent = extent,
-                               .format = kColorFormat,
+                               .format = kRawColorFormat,
                                .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                                .flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT});
     if (!color) return color.error();
-    auto raw = create_image_view(*device_, color->image, kRawColorFormat, VK_IMAGE_ASPECT_COLOR_BIT);
-    if (!raw) return raw.error();
+    auto linear = create_image_view(*device_, color->image, kColorFormat, VK_IMAGE_ASPECT_COLOR_BIT);
+    if (!linear) return linear.error();
     auto frame = create_framebuffer(device_->handle, pipelines_.scene_pass,
-                                    {samples->view, depth->view, color->view}, extent);
+                                    {samples->view, depth->view, *linear}, extent);
     if (!frame) return frame.error();
     auto readback = vk::create_buffer(*device_, VkDeviceSize{4} * extent.width * extent.height,
                                       VK_BUFFER_USAGE_TRANSFER_DST_BIT, vk::MemoryUse::readback);
     if (!readback) return readback.error();
     scene_frame_ = std::move(*frame);
-    raw_view_ = std::move(*raw);
+    linear_view_ = std::move(*linear);
     samples_ = std::move(*samples);
     depth_ = std::move(*depth);
     color_ = std::move(*color);

@@ -36,7 +36,7 @@ class Renderer {
     void record_finish(VkCommandBuffer commands) const;
 
     VkImage image() const { return color_.image; }
-    VkImageView raw_view() const { return raw_view_; }  ///< kRawColorFormat
+    VkImageView view() const { return color_.view; }  ///< kRawColorFormat
 
     /// Copies the finished image for read_picture(), which may be called once the commands have completed.
     void record_readback(VkCommandBuffer commands) const;
@@ -60,7 +60,7 @@ class Renderer {
     GpuImage shadow_, sky_;
     UniqueFramebuffer shadow_frame_, sky_frame_;
     GpuImage samples_, depth_, color_;
-    UniqueImageView raw_view_;
+    UniqueImageView linear_view_;  ///< of color_
     UniqueFramebuffer scene_frame_;
     vk::Buffer frame_params_;  ///< mapped
     vk::Buffer pulled_;        ///< the VkDrawIndirectCommand of mesh_pulled

@@ -1,0 +1,39 @@
+// Moves control points, so that there is something to look at: a twist and a wave.
+#pragma once
+
+#include <span>
+
+#include "limn/vulkan/buffer.h"
+#include "viewer/camera.h"
+#include "viewer/handles.h"
+
+namespace limn::viewer {
+
+class Deformer {
+  public:
+    /// `device` outlives it. Errors: out_of_memory, vulkan_failure.
+    static Result<Deformer> create(const vk::Device& device);
+
+    /// Moves `rest`, 3 floats each, into `points`, which has STORAGE_BUFFER usage; when nothing that was
+    /// recorded is pending. Errors: out_of_memory, vulkan_failure.
+    Result<void> set_points(std::span<const float> rest, VkBuffer points);
+
+    /// Seconds after the start; `bounds` are the surface's at rest. Before: earlier reads of the points done.
+    /// After: they are visible to vk::kKernelReads.
+    void record(VkCommandBuffer commands, const Bounds& bounds, float seconds, float amplitude) const;
+
+  private:
+    explicit Deformer(const vk::Device& device) : device_(&device) {}
+    Result<void> create_pipeline();
+
+    const vk::Device* device_;
+    UniqueSetLayout set_layout_;
+    UniquePipelineLayout layout_;
+    UniquePipeline pipeline_;
+    UniqueDescriptorPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    vk::Buffer rest_;
+    uint32_t count_ = 0;
+};
+
+}  // namespace limn::viewer
