@@ -70,8 +70,9 @@ vec3 shade(vec3 n, vec3 view, vec3 albedo, float gloss) {
     const float edge_on = pow(1.0 - max(dot(n, view), 0.0), 5.0);
     const vec3 mirror = reflect(-view, n);
     const float env = mix(0.25, 0.9, smoothstep(-0.2, 0.9, mirror.y));
-    result += gloss * (key_color * key_lit * specular(n, view, key) * 1.6 + rim_color * specular(n, view, rim) * sky.open +
-                       env * sky.open * (0.022 + 0.28 * edge_on));
+    const vec3 key_shine = key_color * key_lit * specular(n, view, key) * 1.6;
+    const vec3 rim_shine = rim_color * specular(n, view, rim) * sky.open;
+    result += gloss * (key_shine + rim_shine + env * sky.open * (0.022 + 0.28 * edge_on));
     return result;
 }
 
