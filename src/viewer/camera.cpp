@@ -71,18 +71,38 @@ glm::vec3 direction_of(float azimuth, float elevation) {
     return {std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
 }
 
+namespace {
+
+/// How far from the middle of the box an eye in direction `back` sees all of its corners, with some room.
+float fitting_distance(const Bounds& bounds, const glm::vec3& back, float fov, float aspect) {
+    constexpr float kRoom = 1.12f;
+    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)),
+                    up = glm::cross(back, right);
+    const float tall = std::tan(0.5f * glm::radians(fov)), wide = tall * aspect;
+    const glm::vec3 half = 0.5f * (bounds.high - bounds.low);
+    float distance = 0.1f * bounds.radius();
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 corner((i & 1) != 0 ? half.x : -half.x, (i & 2) != 0 ? half.y : -half.y,
+                               (i & 4) != 0 ? half.z : -half.z);
+        const float across =
+            std::max(std::abs(glm::dot(corner, right)) / wide, std::abs(glm::dot(corner, up)) / tall);
+        distance = std::max(distance, glm::dot(corner, back) + kRoom * across);
+    }
+    return distance;
+}
+
+}  // namespace
+
 Camera Camera::frame(const Bounds& bounds, const CameraView& view, float aspect) {
     Camera camera;
     const float radius = bounds.radius();
-    // The narrower side decides what fits.
-    const float half = std::tan(0.5f * glm::radians(view.fov)) * std::min(1.0f, aspect);
-    const float fitting = 1.02f / std::sin(std::atan(half));
-    const float distance = radius * (view.distance > 0 ? view.distance : fitting);
+    // Straight from above there is no up.
+    const glm::vec3 back = direction_of(view.azimuth, std::clamp(view.elevation, -89.9f, 89.9f));
+    const float distance =
+        view.distance > 0 ? radius * view.distance : fitting_distance(bounds, back, view.fov, aspect);
     camera.fov = view.fov;
     camera.target = bounds.centre();
-    // Straight from above there is no up.
-    const float elevation = std::clamp(view.elevation, -89.9f, 89.9f);
-    camera.eye = camera.target + distance * direction_of(view.azimuth, elevation);
+    camera.eye = camera.target + distance * back;
     camera.near_plane = std::max(distance - 8.5f * radius, 0.02f * std::min(distance, radius));
     camera.far_plane = distance + 8.5f * radius;
     return camera;
