@@ -15,7 +15,7 @@ void main() {
     float shade = 1.0;
     if (away < 4.5) {
         const float key = 0.9 * max(frame.key_direction.y, 0.0);
-        const float sky = sky_light(position, up, 3.0).open;
+        const float sky = sky_light(position, up, 1.6).open;
         const float lit = (key * key_visibility(position, up) + 0.9 * sky) / (key + 0.9);
         shade = mix(lit, 1.0, smoothstep(2.5, 4.5, away));
     }

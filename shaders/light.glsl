@@ -30,9 +30,9 @@ float key_visibility(vec3 position, vec3 normal) {
     const float spread = frame.key_direction.w;
     const float reach = spread * clamp(at.z, 0.2, 1.0);
     float blocker = 0.0, blocker_count = 0.0;
-    const int kSearchTaps = 16;
+    const int kSearchTaps = 24;
     for (int i = 0; i < kSearchTaps; ++i) {
-        const vec2 tap = disk_point(i, kSearchTaps, turn) * reach;
+        const vec2 tap = disk_point(i, kSearchTaps, 0.0) * reach;
         const float depth = textureLod(shadow_depth, at.xy + tap, 0.0).r;
         if (depth < min(at.z + dot(plane, tap), 1.0) - 0.002 - 0.05 * length(tap))
             blocker += depth, blocker_count += 1.0;
@@ -43,7 +43,7 @@ float key_visibility(vec3 position, vec3 normal) {
     const int kTaps = 32;
     for (int i = 0; i < kTaps; ++i) {
         const vec2 tap = disk_point(i, kTaps, turn) * penumbra;
-        const float depth = min(at.z + dot(plane, tap), 1.0) - 0.0008 - 0.05 * length(tap);
+        const float depth = min(at.z + dot(plane, tap), 1.0) - 0.0008 - 0.08 * length(tap);
         lit += textureLod(shadow_map, vec3(at.xy + tap, depth), 0.0);
     }
     return lit / float(kTaps);
