@@ -54,8 +54,8 @@ vec3 blue_white_red(float t) {
 
 // Colours that are told apart by everyone (Okabe and Ito 2008).
 vec3 category(uint i) {
-    const vec3 colors[8] = vec3[](vec3(86, 180, 233), vec3(230, 159, 0), vec3(0, 158, 115), vec3(204, 121, 167),
-                                  vec3(213, 94, 0), vec3(240, 228, 66), vec3(0, 114, 178), vec3(150, 150, 150));
+    const vec3 colors[8] = vec3[](vec3(230, 159, 0), vec3(204, 121, 167), vec3(150, 150, 150), vec3(86, 180, 233),
+                                  vec3(0, 158, 115), vec3(240, 228, 66), vec3(0, 114, 178), vec3(213, 94, 0));
     return linear_from_srgb(colors[i & 7u] / 255.0);
 }
 

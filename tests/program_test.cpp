@@ -419,8 +419,11 @@ TEST_F(Program, draws_pictures) {
         EXPECT_EQ(png_size(read("other.png")), "96x64") << more;
         EXPECT_NE(read("other.png"), read("plain.png")) << more;
     }
+    for (const char* rates : {"", "--pixel-error 2", "--edge-length 9", "--chord-error 0.01"})
+        EXPECT_EQ(run("render cube.obj --size 96x64 --validation -o other.png " + std::string(rates)).status, 0) << rates;
     const Outcome times = run(common + "plain.png --times --device cpu");
-    EXPECT_NE(times.output.find("picture"), std::string::npos) << times.errors;
+    EXPECT_NE(times.output.find("192 triangles, 98 vertices"), std::string::npos) << times.output << times.errors;
+    EXPECT_NE(times.output.find("picture"), std::string::npos) << times.output;
 }
 
 TEST_F(Program, refuses_bad_pictures) {
@@ -432,6 +435,8 @@ TEST_F(Program, refuses_bad_pictures) {
     expect_failure("render cube.obj -o result.png --background mauve", 2, "mauve");
     expect_failure("render cube.obj -o result.png --color red", 2, "red");
     expect_failure("render cube.obj -o result.png --rate 65", 2, "rate");
+    expect_failure("render cube.obj -o result.png --pixel-error 0", 2, "pixel-error");
+    expect_failure("render cube.obj -o result.png --rate 4 --chord-error 0.1", 2, "rate");
     expect_failure("render cube.obj", 2, "output");
     expect_failure("render missing.obj -o result.png", 1, "missing.obj: ");
     expect_failure("render cube.obj -o nowhere/result.png --size 16x16 --rate 1", 1, "nowhere/result.png: ");

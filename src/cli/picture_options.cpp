@@ -30,6 +30,27 @@ std::optional<viewer::Background> parse_background(const std::string& text) {
     return viewer::Background{linear_from_srgb(color / 255.0f), linear_from_srgb(color / 255.0f)};
 }
 
+void add_rate_options(CLI::App& command, LookOptions& options) {
+    const char* group = "Triangles (one of these; else --pixel-error 0.05)";
+    const auto positive = [](const std::string& text) {
+        float value = 0;
+        return CLI::detail::lexical_cast(text, value) && value > 0 && value <= 1e30f
+                   ? std::string()
+                   : "'" + text + "' is not a number above 0";
+    };
+    const auto add = [&](const char* name, std::optional<float>& value, const char* help) {
+        return command.add_option(name, value, help)->group(group)->check(positive);
+    };
+    CLI::Option* choices[] = {
+        add("--rate", options.rate, "So many along each side of a face, 1 to 64")->check(CLI::Range(1, 64)),
+        add("--pixel-error", options.pixel_error, "As few as miss the surface by at most so many pixels"),
+        add("--edge-length", options.edge_length, "Edges of about so many pixels"),
+        add("--chord-error", options.chord_error, "As few as miss the surface by at most this length")};
+    for (CLI::Option* one : choices)
+        for (CLI::Option* other : choices)
+            if (one != other) one->excludes(other);
+}
+
 }  // namespace
 
 std::vector<std::string> color_names() {
@@ -56,10 +77,7 @@ void add_look_options(CLI::App& command, LookOptions& options) {
         ->check(CLI::IsMember(color_names()))
         ->capture_default_str()
         ->group(group);
-    command.add_option("--rate", options.rate, "Triangles along each side of a face")
-        ->check(CLI::Range(1u, 64u))
-        ->capture_default_str()
-        ->group(group);
+    add_rate_options(command, options);
     command.add_flag("--wireframe", options.wireframe, "Draw the edges of triangles")->group(group);
     command.add_flag("--control-mesh", options.control_mesh, "Draw the control mesh")->group(group);
     command.add_option("--background", options.background, "studio, dark, white or #rrggbb")
@@ -89,8 +107,21 @@ viewer::RenderSettings settings_of(const LookOptions& options, const viewer::Cam
     return settings;
 }
 
-viewer::SurfaceMeshOptions mesh_options(const LookOptions& options) {
-    return {.rate = options.rate, .places = options.color == "kind" || options.color == "level"};
+RateSettings rate_settings_of(const LookOptions& options) {
+    RateSettings settings;
+    const struct {
+        std::optional<float> value;
+        RateMode mode;
+    } choices[] = {{options.rate, RateMode::uniform},
+                   {options.edge_length, RateMode::screen_length},
+                   {options.chord_error, RateMode::chord_error},
+                   {options.pixel_error, RateMode::pixel_error}};
+    settings.mode = RateMode::pixel_error;
+    // Curvature is that of single triangles.
+    settings.value = options.color == "curvature" ? 0.5f * kPixelError : kPixelError;
+    for (const auto& choice : choices)
+        if (choice.value) settings.mode = choice.mode, settings.value = *choice.value;
+    return settings;
 }
 
 Result<VkExtent2D> parse_size(const std::string& text) {

@@ -12,13 +12,15 @@ struct LookOptions {
     std::string camera = "30,20";
     std::string color = "clay";
     std::string background = "studio";
-    uint32_t rate = 16;
+    std::optional<float> rate, pixel_error, edge_length, chord_error;  ///< one at most
     bool wireframe = false, control_mesh = false, no_ground = false;
 };
 void add_look_options(CLI::App& command, LookOptions& options);
 viewer::CameraView camera_view(const LookOptions& options);
 viewer::RenderSettings settings_of(const LookOptions& options, const viewer::CameraView& camera);
-viewer::SurfaceMeshOptions mesh_options(const LookOptions& options);
+/// Mode and value; a pixel error of kPixelError where nothing is said.
+RateSettings rate_settings_of(const LookOptions& options);
+inline constexpr float kPixelError = 0.05f;
 
 /// WIDTHxHEIGHT, each 1 to 2^20. Errors: parse_error.
 Result<VkExtent2D> parse_size(const std::string& text);

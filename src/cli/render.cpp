@@ -2,6 +2,8 @@
 #include "cli/program.h"
 
 #ifdef LIMN_HAVE_PICTURES
+#include <cmath>
+
 #include "cli/picture_options.h"
 #include "viewer/graphics_device.h"
 #include "viewer/renderer.h"
@@ -22,36 +24,78 @@ struct Options {
     bool times = false;
 };
 
-/// Evaluates, measures, draws, reads back.
-Result<viewer::Picture> draw(const Options& options, const vk::Device& device, viewer::Renderer& renderer,
-                             const LoadedModel& loaded, Progress& progress) {
-    progress.show("building tables of " + plural(loaded.mesh.face_count(), "face"));
-    auto surface =
-        viewer::SurfaceMesh::create(device, loaded.mesh, loaded.model.positions, mesh_options(options.look));
+/// What is drawn, and from where.
+struct Scene {
+    std::unique_ptr<viewer::SurfaceKernels> kernels;  ///< outlive the surface, and do not move
+    viewer::SurfaceMesh surface;
+    viewer::Renderer::View view;
+    vk::TessellationResult triangles;
+};
+
+viewer::Bounds bounds_of(std::span<const float> positions) {
+    viewer::Bounds bounds = {glm::vec3(HUGE_VALF), glm::vec3(-HUGE_VALF)};
+    for (size_t i = 0; i + 2 < positions.size(); i += 3) {
+        const glm::vec3 position(positions[i], positions[i + 1], positions[i + 2]);
+        bounds.low = glm::min(bounds.low, position);
+        bounds.high = glm::max(bounds.high, position);
+    }
+    return bounds;
+}
+
+/// Makes the triangles that the options ask for: first for a camera that sees the control mesh, then, with
+/// the surface measured, for the one that the picture is taken with.
+Result<Scene> build_scene(const Options& options, const vk::Device& device, VkExtent2D extent,
+                          const LoadedModel& loaded) {
+    auto kernels = viewer::SurfaceKernels::create(device);
+    if (!kernels) return kernels.error();
+    auto shared_kernels = std::make_unique<viewer::SurfaceKernels>(std::move(*kernels));
+    RateSettings rates = rate_settings_of(options.look);
+    auto surface = viewer::SurfaceMesh::create(device, *shared_kernels, loaded.mesh, loaded.model.positions,
+                                               {.mode = rates.mode});
     if (!surface) return surface.error();
-    viewer::PassTimer timer(device);
-    auto evaluate = vk::Commands::begin(device);
-    if (!evaluate) return evaluate.error();
-    surface->record(*evaluate);
-    if (auto done = evaluate->submit_and_wait(); !done) return done.error();
+    const viewer::CameraView camera = camera_view(options.look);
+    const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
+    const viewer::Bounds around = bounds_of(loaded.model.positions);
+    rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent);
+    if (const auto done = surface->tessellate(rates); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
+    const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds,
+                                         settings_of(options.look, camera)};
+    rates.camera = viewer::rate_camera(view.camera, extent);
+    const auto triangles = surface->tessellate(rates);
+    if (!triangles) return triangles.error();
+    return Scene{std::move(shared_kernels), std::move(*surface), view, *triangles};
+}
+
+Result<viewer::Picture> draw(const Options& options, const vk::Device& device, viewer::Renderer& renderer,
+                             const LoadedModel& loaded, Progress& progress) {
+    progress.show("tessellating " + plural(loaded.mesh.face_count(), "face"));
+    auto scene = build_scene(options, device, renderer.extent(), loaded);
+    if (!scene) return scene.error();
+    if (scene->triangles.status != vk::TessellationStatus::complete) {
+        progress.clear();
+        std::fprintf(stderr, "limn: note: %s holds at most %s at once: rates are scaled by %.3g\n",
+                     device.name(), plural(scene->surface.triangle_capacity(), "triangle").c_str(),
+                     static_cast<double>(scene->triangles.rate_scale));
+    }
     progress.show(std::string("drawing on ") + device.name());
-    renderer.set_scene(surface->mesh(), surface->control_lines());
+    renderer.set_scene(scene->surface.mesh(), scene->surface.control_lines());
+    viewer::PassTimer timer(device);
     auto commands = vk::Commands::begin(device);
     if (!commands) return commands.error();
     timer.record_begin(*commands);
-    const VkExtent2D extent = renderer.extent();
-    const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
-    const viewer::CameraView camera = camera_view(options.look);
-    renderer.record(
-        *commands,
-        {viewer::Camera::frame(*bounds, camera, aspect), *bounds, settings_of(options.look, camera)}, &timer);
+    renderer.record(*commands, scene->view, &timer);
     renderer.record_finish(*commands);
     renderer.record_readback(*commands);
     if (auto done = commands->submit_and_wait(); !done) return done.error();
-    if (options.times)
+    if (options.times) {
+        std::printf("%s, %s\n", plural(scene->triangles.triangle_count, "triangle").c_str(),
+                    scene->triangles.vertex_count == 1
+                        ? "1 vertex"
+                        : (std::to_string(scene->triangles.vertex_count) + " vertices").c_str());
         for (const auto& pass : timer.read()) std::printf("%-12s %8.2f ms\n", pass.name, pass.milliseconds);
+    }
     return renderer.read_picture();
 }
 

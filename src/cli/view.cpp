@@ -32,7 +32,7 @@ int run(const Options& options) {
     view.validation = options.device.validation;
     view.camera = camera_view(options.look);
     view.settings = settings_of(options.look, view.camera);
-    view.mesh = mesh_options(options.look);
+    view.rates = rate_settings_of(options.look);
     view.animate = options.animate;
     view.schemes = scheme_names();
     view.colors = color_names();

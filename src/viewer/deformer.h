@@ -1,11 +1,9 @@
 // Moves control points, so that there is something to look at: a twist and a wave.
 #pragma once
 
-#include <span>
-
 #include "limn/vulkan/buffer.h"
 #include "viewer/camera.h"
-#include "viewer/handles.h"
+#include "viewer/compute_pass.h"
 
 namespace limn::viewer {
 
@@ -23,15 +21,10 @@ class Deformer {
     void record(VkCommandBuffer commands, const Bounds& bounds, float seconds, float amplitude) const;
 
   private:
-    explicit Deformer(const vk::Device& device) : device_(&device) {}
-    Result<void> create_pipeline();
+    Deformer(const vk::Device& device, ComputePass pass) : device_(&device), pass_(std::move(pass)) {}
 
     const vk::Device* device_;
-    UniqueSetLayout set_layout_;
-    UniquePipelineLayout layout_;
-    UniquePipeline pipeline_;
-    UniqueDescriptorPool pool_;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    ComputePass pass_;
     vk::Buffer rest_;
     uint32_t count_ = 0;
 };

@@ -57,6 +57,30 @@ void combo(const char* label, int& choice, std::span<const std::string> names) {
     ImGui::EndCombo();
 }
 
+void show_rates(PanelState& state) {
+    static const std::string names[] = {"uniform rate", "pixel error", "edge length", "chord error"};
+    int choice = static_cast<int>(state.rate_choice);
+    combo("triangles", choice, names);
+    state.rate_choice = static_cast<RateChoice>(choice);
+    constexpr ImGuiSliderFlags kFlags = ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic;
+    float& value = state.rate_values[choice];
+    switch (state.rate_choice) {
+        case RateChoice::uniform:
+            ImGui::SliderFloat("rate", &value, 1, 64, "%.0f", kFlags);
+            break;
+        case RateChoice::pixel_error:
+            ImGui::SliderFloat("pixels", &value, 0.02f, 4, "%.2f", kFlags);
+            break;
+        case RateChoice::edge_length:
+            ImGui::SliderFloat("pixels", &value, 1, 64, "%.1f", kFlags);
+            break;
+        case RateChoice::chord_error:
+            ImGui::SliderFloat("radii", &value, 1e-5f, 0.1f, "%.5f", kFlags);
+            break;
+    }
+    ImGui::Checkbox("freeze rates", &state.frozen);
+}
+
 void show_times(const PanelFacts& facts) {
     if (!ImGui::BeginTable("times", 2, ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV)) return;
     ImGui::TableSetupColumn("pass");
@@ -161,7 +185,7 @@ void Panel::build(PanelState& state, const PanelFacts& facts, std::span<const st
     ImGui::PushItemWidth(150);
     ImGui::Separator();
     combo("scheme", state.scheme, schemes);
-    ImGui::SliderInt("rate", &state.rate, 1, 64, "%d", ImGuiSliderFlags_AlwaysClamp);
+    show_rates(state);
     combo("colour", state.color, colors);
     ImGui::Checkbox("wireframe", &state.settings.wireframe);
     ImGui::SameLine();

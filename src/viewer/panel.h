@@ -9,10 +9,15 @@
 
 namespace limn::viewer {
 
+/// How rates are made, in the order of the panel's list.
+enum class RateChoice : int { uniform, pixel_error, edge_length, chord_error };
+
 /// What the user has chosen. Schemes and colours are indices of the lists that view() was given.
 struct PanelState {
     int scheme = 0;
-    int rate = 16;
+    RateChoice rate_choice = RateChoice::pixel_error;
+    float rate_values[4] = {8, 0.1f, 8, 1e-3f};  ///< of each choice; chord errors relative to the radius
+    bool frozen = false;                         ///< rates stay, vertices move
     int color = 0;
     int sky_directions = 64;
     bool animate = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -56,6 +57,9 @@ class Session {
 
   private:
     Result<void> rebuild();
+    RateSettings rates() const;
+    Result<void> follow_rates();
+    Result<void> record_surface(VkCommandBuffer commands);
     void try_rebuild();
     Result<bool> follow_size();
     void choose(uint32_t frame);
@@ -71,10 +75,12 @@ class Session {
     std::optional<Swapchain> swapchain_;
     std::optional<Panel> panel_;
     std::optional<Deformer> deformer_;
+    std::optional<SurfaceKernels> kernels_;
     std::optional<SurfaceMesh> surface_;
-    SurfaceMesh::Counts counts_;
-    Bounds bounds_;  ///< at rest
-    Bounds reach_;   ///< of the surface as it moves
+    vk::TessellationResult triangles_ = {};
+    std::optional<RateSettings> tessellated_;  ///< what the triangles there were made for
+    Bounds bounds_;                            ///< at rest
+    Bounds reach_;                             ///< of the surface as it moves
     PanelState state_;
     PanelState built_;  ///< what surface_ was made for
     PanelState drawn_;  ///< what shadows were drawn for
@@ -82,14 +88,23 @@ class Session {
     Camera camera_;
     std::string message_;
     bool surface_changed_ = true;  ///< and its shadows
+    bool retessellated_ = false;   ///< in this frame
     float seconds_ = 0;
     Clock::time_point last_frame_ = Clock::now();
     double frame_milliseconds_ = 0;
 };
 
-bool needs_places(const PanelState& state) {
-    const auto color = static_cast<ColorMode>(state.color);
-    return color == ColorMode::kind || color == ColorMode::level;
+RateMode mode_of(RateChoice choice) {
+    constexpr RateMode kModes[] = {RateMode::uniform, RateMode::pixel_error, RateMode::screen_length,
+                                   RateMode::chord_error};
+    return kModes[static_cast<int>(choice)];
+}
+
+/// Triangles made for `a` are right for `b`.
+bool same_rates(const RateSettings& a, const RateSettings& b) {
+    if (a.mode != b.mode || a.value != b.value) return false;
+    if (a.mode == RateMode::uniform || a.mode == RateMode::chord_error) return true;
+    return std::memcmp(&a.camera, &b.camera, sizeof a.camera) == 0;
 }
 
 Result<void> Session::start() {
@@ -106,10 +121,17 @@ Result<void> Session::start() {
     auto panel = Panel::create(device_, window_);
     if (!panel) return panel.error();
     panel_.emplace(std::move(*panel));
+    auto kernels = SurfaceKernels::create(device_);
+    if (!kernels) return kernels.error();
+    kernels_.emplace(std::move(*kernels));
     orbit_.view = options_.camera;
     state_.settings = options_.settings;
     state_.scheme = options_.scheme;
-    state_.rate = static_cast<int>(options_.mesh.rate);
+    for (int choice = 0; choice < 4; ++choice)
+        if (mode_of(static_cast<RateChoice>(choice)) == options_.rates.mode) {
+            state_.rate_choice = static_cast<RateChoice>(choice);
+            state_.rate_values[choice] = options_.rates.value;
+        }
     state_.color = static_cast<int>(options_.settings.color);
     state_.animate = options_.animate;
     // A software device has better things to do.
@@ -122,24 +144,19 @@ Result<void> Session::start() {
 Result<void> Session::rebuild() {
     const auto model = options_.load(options_.schemes[static_cast<size_t>(state_.scheme)]);
     if (!model) return model.error();
-    auto surface =
-        SurfaceMesh::create(device_, model->mesh, model->positions,
-                            {.rate = static_cast<uint32_t>(state_.rate), .places = needs_places(state_)});
+    auto surface = SurfaceMesh::create(device_, *kernels_, model->mesh, model->positions, {});
     if (!surface) return surface.error();
-    auto commands = vk::Commands::begin(device_);
-    if (!commands) return commands.error();
-    surface->record(*commands);
-    if (auto done = commands->submit_and_wait(); !done) return done.error();
+    RateSettings few;
+    few.value = 4;
+    if (const auto done = surface->tessellate(few); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
-    const auto counts = surface->count();
-    if (!counts) return counts.error();
     if (auto set = deformer_->set_points(model->positions, surface->control_points()); !set)
         return set.error();
     renderer_->set_scene(surface->mesh(), surface->control_lines());
     surface_.emplace(std::move(*surface));
     bounds_ = *bounds;
-    counts_ = *counts;
+    tessellated_.reset();
     built_ = state_;
     surface_changed_ = true;
     return {};
@@ -150,9 +167,6 @@ void Session::try_rebuild() {
     if (auto built = rebuild(); !built) {
         message_ = built.error().message;
         state_.scheme = built_.scheme;
-        state_.rate = built_.rate;
-        state_.color = built_.color;
-        state_.settings.color = built_.settings.color;
     }
 }
 
@@ -172,16 +186,14 @@ void Session::choose(uint32_t frame) {
     panel_->build(state_,
                   {.model = options_.title.c_str(),
                    .device = device_.name(),
-                   .vertices = counts_.vertices,
-                   .triangles = counts_.triangles,
+                   .vertices = triangles_.vertex_count,
+                   .triangles = triangles_.triangle_count,
                    .frame_milliseconds = frame_milliseconds_,
                    .passes = timer_.read(),
                    .message = message},
                   options_.schemes, options_.colors);
     if (state_.frame_all) orbit_ = {{.azimuth = orbit_.view.azimuth, .elevation = orbit_.view.elevation}};
-    if (state_.scheme != built_.scheme || state_.rate != built_.rate ||
-        (needs_places(state_) && !needs_places(built_)))
-        try_rebuild();
+    if (state_.scheme != built_.scheme) try_rebuild();
     const auto now = Clock::now();
     const double passed = std::chrono::duration<double>(now - last_frame_).count();
     last_frame_ = now;
@@ -201,16 +213,55 @@ void Session::choose(uint32_t frame) {
     camera_ = orbit_.camera(bounds_, aspect);
 }
 
+/// As the panel has them, for what the camera sees.
+RateSettings Session::rates() const {
+    RateSettings settings;
+    settings.mode = mode_of(state_.rate_choice);
+    settings.value = state_.rate_values[static_cast<int>(state_.rate_choice)];
+    if (state_.rate_choice == RateChoice::chord_error) settings.value *= bounds_.radius();
+    if (state_.rate_choice == RateChoice::uniform) settings.value = std::round(settings.value);
+    settings.camera = rate_camera(camera_, extent());
+    return settings;
+}
+
+/// Room for the triangles that are asked for now.
+Result<void> Session::follow_rates() {
+    const RateMode mode = mode_of(state_.rate_choice);
+    uint32_t capacity = surface_->triangle_capacity();
+    const bool full = tessellated_ && triangles_.status != vk::TessellationStatus::complete;
+    if (full) capacity = std::min<uint32_t>(surface_->max_triangle_capacity(), 4 * capacity);
+    if (mode == surface_->mode() && capacity == surface_->triangle_capacity()) return {};
+    if (auto made = surface_->prepare(mode, capacity); !made) return made.error();
+    renderer_->set_scene(surface_->mesh(), surface_->control_lines());
+    tessellated_.reset();
+    return {};
+}
+
+Result<void> Session::record_surface(VkCommandBuffer commands) {
+    if (surface_changed_ && (state_.animate || seconds_ > 0)) {
+        deformer_->record(commands, bounds_, seconds_, state_.amplitude);
+        timer_.record_mark(commands, "control points");
+    }
+    const RateSettings wanted = rates();
+    const bool keep_rates = tessellated_ && (state_.frozen || same_rates(*tessellated_, wanted));
+    // Moving points change what is measured.
+    const bool measured = wanted.mode != RateMode::uniform;
+    if (keep_rates && (state_.frozen || !measured || !surface_changed_)) {
+        if (!surface_changed_) return {};
+        surface_->record_vertices(commands);
+        timer_.record_mark(commands, "vertices");
+        return {};
+    }
+    if (auto recorded = surface_->record(commands, wanted); !recorded) return recorded.error();
+    tessellated_ = wanted;
+    retessellated_ = true;
+    timer_.record_mark(commands, "tessellation");
+    return {};
+}
+
 Result<void> Session::record(VkCommandBuffer commands, bool read_back) {
     timer_.record_begin(commands);
-    if (surface_changed_) {
-        if (state_.animate || seconds_ > 0) {
-            deformer_->record(commands, bounds_, seconds_, state_.amplitude);
-            timer_.record_mark(commands, "control points");
-        }
-        surface_->record(commands);
-        timer_.record_mark(commands, "surface");
-    }
+    if (auto recorded = record_surface(commands); !recorded) return recorded.error();
     renderer_->record(
         commands,
         {.camera = camera_, .bounds = reach_, .settings = state_.settings, .keep_shadows = !surface_changed_},
@@ -235,6 +286,11 @@ Result<void> Session::draw(bool read_back) {
     if (!presented) return presented.error();
     surface_changed_ = false;
     drawn_ = state_;
+    if (std::exchange(retessellated_, false)) {
+        const auto outcome = surface_->result();
+        if (!outcome) return outcome.error();
+        triangles_ = *outcome;
+    }
     if (!*presented) return swapchain_->resize(window_.framebuffer_size());
     return {};
 }
@@ -245,6 +301,7 @@ Result<bool> Session::step(uint32_t frame) {
     if (!visible) return visible.error();
     if (!*visible) return true;
     choose(frame);
+    if (auto followed = follow_rates(); !followed) return followed.error();
     if (auto drawn = draw(frame + 1 == options_.frame_count); !drawn) return drawn.error();
     return true;
 }

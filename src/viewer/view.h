@@ -25,7 +25,7 @@ struct ViewOptions {
     bool validation = false;
     CameraView camera;
     RenderSettings settings;
-    SurfaceMeshOptions mesh;
+    RateSettings rates;  ///< mode, uniform or of those that are measured, and value
     bool animate = false;
     std::vector<std::string> schemes, colors;  ///< to choose among; colours in the order of ColorMode
     int scheme = 0;                            ///< to start with

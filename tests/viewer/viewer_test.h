@@ -12,10 +12,11 @@ namespace limn::viewer::test {
 
 /// The device of all tests; null when there is none, and then the test has failed.
 inline const GraphicsDevice* shared_device() {
-    static const Result<GraphicsDevice> device = [] {
+    // Never destroyed: what tests share of it lives as long.
+    static const Result<GraphicsDevice>& device = *[] {
         Result<GraphicsDevice> created = GraphicsDevice::create({.validation = true});
         if (created) std::printf("device: %s\n", created->device().name());
-        return created;
+        return new Result<GraphicsDevice>(std::move(created));
     }();
     if (device) return &*device;
     ADD_FAILURE() << "no Vulkan device that draws, with validation: " << device.error().message;
