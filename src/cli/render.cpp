@@ -49,19 +49,19 @@ Result<Scene> build_scene(const Options& options, const vk::Device& device, VkEx
     auto kernels = viewer::SurfaceKernels::create(device);
     if (!kernels) return kernels.error();
     auto shared_kernels = std::make_unique<viewer::SurfaceKernels>(std::move(*kernels));
+    const viewer::CameraView camera = camera_view(options.look);
+    const viewer::RenderSettings settings = settings_of(options.look, camera);
     RateSettings rates = rate_settings_of(options.look);
     auto surface = viewer::SurfaceMesh::create(device, *shared_kernels, loaded.mesh, loaded.model.positions,
-                                               {.mode = rates.mode});
+                                               {.mode = rates.mode, .places = needs_places(settings.color)});
     if (!surface) return surface.error();
-    const viewer::CameraView camera = camera_view(options.look);
     const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
     const viewer::Bounds around = bounds_of(loaded.model.positions);
     rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent);
     if (const auto done = surface->tessellate(rates); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
-    const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds,
-                                         settings_of(options.look, camera)};
+    const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds, settings};
     rates.camera = viewer::rate_camera(view.camera, extent);
     const auto triangles = surface->tessellate(rates);
     if (!triangles) return triangles.error();
@@ -76,7 +76,7 @@ Result<viewer::Picture> draw(const Options& options, const vk::Device& device, v
     if (scene->triangles.status != vk::TessellationStatus::complete) {
         progress.clear();
         std::fprintf(stderr, "limn: note: %s holds at most %s at once: rates are scaled by %.3g\n",
-                     device.name(), plural(scene->surface.triangle_capacity(), "triangle").c_str(),
+                     device.name(), plural(scene->surface.options().triangle_capacity, "triangle").c_str(),
                      static_cast<double>(scene->triangles.rate_scale));
     }
     progress.show(std::string("drawing on ") + device.name());
@@ -107,6 +107,8 @@ int run(const Options& options) {
     const auto graphics = viewer::GraphicsDevice::create(
         {.device_index = graphics_device_index(options.device), .validation = options.device.validation});
     if (!graphics) return fail(graphics.error());
+    auto file = FileWriter::create(options.output);  // sooner than the work for it
+    if (!file) return fail(file.error());
     Result<viewer::Picture> picture = viewer::Picture{};
     {
         auto renderer = viewer::Renderer::create(graphics->device());
@@ -120,7 +122,7 @@ int run(const Options& options) {
     if (!picture) return fail(picture.error());
     if (auto silent = graphics->check_validation(); !silent) return fail(silent.error());
     progress.show("writing " + options.output);
-    if (auto done = viewer::write_png(options.output, *picture); !done) return fail(done.error());
+    if (auto done = viewer::write_png(std::move(*file), *picture); !done) return fail(done.error());
     return 0;
 }
 

@@ -48,12 +48,18 @@ int run(const Options& options) {
     if (!options.screenshot.empty()) view.frame_count = std::max(options.frames, 1u);
     // A model that cannot be read needs no window to say so.
     if (const auto readable = view.load(options.surface.scheme); !readable) return fail(readable.error());
+    std::optional<FileWriter> file;
+    if (!options.screenshot.empty()) {
+        auto created = FileWriter::create(options.screenshot);
+        if (!created) return fail(created.error());
+        file.emplace(std::move(*created));
+    }
     const auto picture = viewer::view(view);
     if (!picture) return fail(picture.error());
     if (options.screenshot.empty()) return 0;
     if (!*picture)
         return fail({ErrorCode::cannot_open, "the window was closed before its picture was taken"});
-    if (auto done = viewer::write_png(options.screenshot, **picture); !done) return fail(done.error());
+    if (auto done = viewer::write_png(std::move(*file), **picture); !done) return fail(done.error());
     return 0;
 }
 

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "limn/file.h"
-
 namespace limn::viewer {
 namespace {
 
@@ -32,20 +30,18 @@ bool encode(png_structp png, png_infop info, const Picture& picture) {
 
 }  // namespace
 
-Result<void> write_png(const std::string& path, const Picture& picture) {
-    Result<FileWriter> writer = FileWriter::create(path);
-    if (!writer) return writer.error();
+Result<void> write_png(FileWriter file, const Picture& picture) {
     const auto silent = [](png_structp png, png_const_charp) { png_longjmp(png, 1); };
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, silent, [](auto, auto) {});
     png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
     bool done = false;
     if (info != nullptr) {
-        png_set_write_fn(png, &*writer, append_bytes, ignore_flush);
+        png_set_write_fn(png, &file, append_bytes, ignore_flush);
         done = encode(png, info, picture);
     }
     png_destroy_write_struct(&png, &info);
-    if (!done) return Error{ErrorCode::out_of_memory, printable(path) + ": cannot encode as PNG"};
-    return writer->commit();
+    if (!done) return Error{ErrorCode::invalid_argument, "libpng cannot write this picture"};
+    return file.commit();
 }
 
 }  // namespace limn::viewer

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "limn/result.h"
+#include "limn/file.h"
 
 namespace limn::viewer {
 
@@ -18,7 +18,8 @@ struct Picture {
     const uint8_t* at(uint32_t x, uint32_t y) const { return rgb.data() + 3 * (size_t{y} * width + x); }
 };
 
-/// Errors: cannot_open, out_of_memory, on one line, `PATH: cause`; the file is then as it was.
-Result<void> write_png(const std::string& path, const Picture& picture);
+/// Into a file that has been opened before there was anything to write, and is committed here. Errors:
+/// cannot_open, invalid_argument (an empty picture); the file is then as it was.
+Result<void> write_png(FileWriter file, const Picture& picture);
 
 }  // namespace limn::viewer

@@ -51,6 +51,11 @@ enum class ColorMode : uint32_t {
     sides,  ///< fronts grey, backs magenta, nothing else: where a closed surface has a crack, magenta shows
 };
 
+/// It reads RenderMesh::places.
+inline bool needs_places(ColorMode mode) {
+    return mode == ColorMode::kind || mode == ColorMode::level;
+}
+
 /// Linear colours.
 struct Background {
     glm::vec3 centre = glm::vec3(0.80f, 0.81f, 0.82f), edge = glm::vec3(0.42f, 0.44f, 0.47f);

@@ -36,9 +36,8 @@ struct SurfaceMesh::State {
     uint32_t segment_count = 0;
     std::optional<vk::StencilEvaluation> level1_points;
     std::optional<ComputePass> face_rates_pass;
-    // What depends on mode and capacity.
-    RateMode mode = RateMode::uniform;
-    uint32_t triangle_capacity = 0;
+    // What depends on options.
+    SurfaceMeshOptions options;
     vk::Buffer vertices, places, indices, triangle_faces;
     std::optional<vk::Tessellation> tessellation;
 
@@ -125,7 +124,7 @@ Result<SurfaceMesh> SurfaceMesh::create(const vk::Device& device, const SurfaceK
         {.patches = &state.patches, .points = {.buffer = state.points.handle}});
     if (!level1) return level1.error();
     state.level1_points.emplace(std::move(*level1));
-    if (auto done = out.prepare(options.mode, options.triangle_capacity); !done) return done.error();
+    if (auto done = out.prepare(options); !done) return done.error();
     return out;
 }
 
@@ -134,16 +133,20 @@ uint32_t SurfaceMesh::max_triangle_capacity() const {
     return static_cast<uint32_t>(std::min<uint64_t>(most, kMostTriangles));
 }
 
-Result<void> SurfaceMesh::prepare(RateMode mode, uint32_t triangle_capacity) {
+Result<void> SurfaceMesh::prepare(const SurfaceMeshOptions& options) {
     State& state = *state_;
-    const uint32_t triangles = std::clamp(triangle_capacity, 1u, max_triangle_capacity());
+    const uint32_t triangles = std::clamp(options.triangle_capacity, 1u, max_triangle_capacity());
     // Half as many vertices as triangles lie within faces; more on borders where faces share none.
     const auto vertex_capacity = static_cast<uint32_t>(std::min<uint64_t>(
         uint64_t{triangles} / 4 * 3 + uint64_t{10} * state.table.face_count, state.max_vertices()));
     auto vertices = create_words(*state.device, uint64_t{vertex_capacity} * kVertexFloats);
     if (!vertices) return vertices.error();
-    auto places = create_words(*state.device, uint64_t{vertex_capacity} * 4);
-    if (!places) return places.error();
+    vk::Buffer places;
+    if (options.places) {
+        auto buffer = create_words(*state.device, uint64_t{vertex_capacity} * 4);
+        if (!buffer) return buffer.error();
+        places = std::move(*buffer);
+    }
     auto indices = create_words(*state.device, uint64_t{triangles} * 3, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     if (!indices) return indices.error();
     auto triangle_faces = create_words(*state.device, triangles);
@@ -152,22 +155,22 @@ Result<void> SurfaceMesh::prepare(RateMode mode, uint32_t triangle_capacity) {
         {.patches = &state.patches,
          .table = &state.table,
          .points = {.buffer = state.points.handle},
-         .mode = mode,
+         .mode = options.mode,
          .vertex_capacity = vertex_capacity,
          .triangle_capacity = triangles,
          .positions = {.buffer = vertices->handle, .stride = kVertexFloats},
          .normals = {.buffer = vertices->handle, .first = 3, .stride = kVertexFloats},
-         .places = {.buffer = places->handle, .stride = 4},
+         .places = {.buffer = places.handle, .stride = 4},
          .indices = {indices->handle},
          .triangle_faces = {triangle_faces->handle},
          .command = {state.command.handle},
          .result = {state.result.handle}});
     if (!tessellation) return tessellation.error();
-    state.mode = mode;
-    state.triangle_capacity = triangles;
+    state.options = options;
+    state.options.triangle_capacity = triangles;
     state.tessellation.emplace(std::move(*tessellation));
     state.vertices = std::move(*vertices);
-    state.places = std::move(*places);
+    state.places = std::move(places);
     state.indices = std::move(*indices);
     state.triangle_faces = std::move(*triangle_faces);
     state.face_rates_pass->set_buffers(
@@ -175,12 +178,8 @@ Result<void> SurfaceMesh::prepare(RateMode mode, uint32_t triangle_capacity) {
     return {};
 }
 
-RateMode SurfaceMesh::mode() const {
-    return state_->mode;
-}
-
-uint32_t SurfaceMesh::triangle_capacity() const {
-    return state_->triangle_capacity;
+const SurfaceMeshOptions& SurfaceMesh::options() const {
+    return state_->options;
 }
 
 Result<void> SurfaceMesh::record(VkCommandBuffer commands, const RateSettings& settings) const {
@@ -237,11 +236,10 @@ Result<vk::TessellationResult> SurfaceMesh::tessellate(const RateSettings& setti
         if (outcome->status == Status::not_finite)
             return Error{ErrorCode::not_finite, "a control point of the surface is not finite"};
         const bool full = outcome->status == Status::scaled || outcome->status == Status::too_small;
-        if (!full || triangle_capacity() == max_triangle_capacity()) return outcome;
-        const uint64_t more = uint64_t{4} * triangle_capacity();
-        if (auto made = prepare(mode(), static_cast<uint32_t>(std::min<uint64_t>(more, kMostTriangles)));
-            !made)
-            return made.error();
+        SurfaceMeshOptions more = options();
+        if (!full || more.triangle_capacity == max_triangle_capacity()) return outcome;
+        more.triangle_capacity = std::min(max_triangle_capacity(), 4 * more.triangle_capacity);
+        if (auto made = prepare(more); !made) return made.error();
     }
 }
 

@@ -23,7 +23,10 @@ struct SurfaceKernels {
 
 struct SurfaceMeshOptions {
     RateMode mode = RateMode::uniform;      ///< any but per_edge
-    uint32_t triangle_capacity = 1u << 20;  ///< to begin with
+    bool places = false;                    ///< what colours by kind and level read
+    uint32_t triangle_capacity = 1u << 20;  ///< at most max_triangle_capacity()
+
+    bool operator==(const SurfaceMeshOptions&) const = default;
 };
 
 /// Owns tables and buffers. Nothing recorded may be pending when it is changed or destroyed.
@@ -38,16 +41,15 @@ class SurfaceMesh {
     SurfaceMesh& operator=(SurfaceMesh&&) noexcept;
     ~SurfaceMesh();
 
-    /// Makes room for other rates, or more triangles (at most max_triangle_capacity()): the buffers of mesh()
-    /// are others then. Errors: out_of_memory, vulkan_failure, unsupported.
-    Result<void> prepare(RateMode mode, uint32_t triangle_capacity);
-    RateMode mode() const;
-    uint32_t triangle_capacity() const;
+    /// Other rates, outputs, or room for more triangles: the buffers of mesh() are others then. Errors:
+    /// out_of_memory, vulkan_failure, unsupported.
+    Result<void> prepare(const SurfaceMeshOptions& options);
+    const SurfaceMeshOptions& options() const;
     uint32_t max_triangle_capacity() const;  ///< what the device binds at once
 
-    /// Control points to triangles, by settings whose mode is mode(). Before: control points visible to
-    /// kernels, earlier reads of the mesh done. After: the mesh is visible to kRenderReads. Errors: as
-    /// vk::Tessellation::record.
+    /// Control points to triangles, by settings whose mode is that of options(). Before: control points
+    /// visible to kernels, earlier reads of the mesh done. After: the mesh is visible to kRenderReads.
+    /// Errors: as vk::Tessellation::record.
     Result<void> record(VkCommandBuffer commands, const RateSettings& settings) const;
     /// The same triangles for control points that have moved.
     void record_vertices(VkCommandBuffer commands) const;

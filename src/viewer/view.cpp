@@ -224,14 +224,15 @@ RateSettings Session::rates() const {
     return settings;
 }
 
-/// Room for the triangles that are asked for now.
+/// Room for the triangles that are asked for now, and what is shown of them.
 Result<void> Session::follow_rates() {
-    const RateMode mode = mode_of(state_.rate_choice);
-    uint32_t capacity = surface_->triangle_capacity();
-    const bool full = tessellated_ && triangles_.status != vk::TessellationStatus::complete;
-    if (full) capacity = std::min<uint32_t>(surface_->max_triangle_capacity(), 4 * capacity);
-    if (mode == surface_->mode() && capacity == surface_->triangle_capacity()) return {};
-    if (auto made = surface_->prepare(mode, capacity); !made) return made.error();
+    SurfaceMeshOptions wanted = surface_->options();
+    wanted.mode = mode_of(state_.rate_choice);
+    wanted.places = wanted.places || needs_places(state_.settings.color);
+    if (tessellated_ && triangles_.status != vk::TessellationStatus::complete)
+        wanted.triangle_capacity = std::min(surface_->max_triangle_capacity(), 4 * wanted.triangle_capacity);
+    if (wanted == surface_->options()) return {};
+    if (auto made = surface_->prepare(wanted); !made) return made.error();
     renderer_->set_scene(surface_->mesh(), surface_->control_lines());
     tessellated_.reset();
     return {};

@@ -348,7 +348,7 @@ TEST_F(Surfaces, HaveNoCracks) {
                 Renderer::View view = {.camera = Camera::frame(*bounds, camera, aspect), .bounds = *bounds};
                 view.settings.color = ColorMode::sides;
                 view.settings.sky_directions = 0;
-                ASSERT_TRUE(surface->prepare(mode, 1 << 16));
+                ASSERT_TRUE(surface->prepare({.mode = mode}));
                 RateSettings rates;
                 rates.mode = mode;
                 rates.value = mode == RateMode::chord_error   ? 0.003f
@@ -367,7 +367,7 @@ TEST_F(Surfaces, HaveNoCracks) {
 TEST_F(Surfaces, KnowFacesLevelsAndRates) {
     limn::test::TestMesh shape = limn::test::make_cube();
     shape.add_crease(0, 1, 2.3);
-    auto surface = make_surface(device(), shape);
+    auto surface = make_surface(device(), shape, {.places = true});
     ASSERT_TRUE(surface);
     std::vector<Picture> pictures;
     for (const float rate : {2.0f, 32.0f}) {
@@ -393,8 +393,8 @@ TEST_F(Surfaces, MakeRoomForMore) {
     ASSERT_TRUE(outcome);
     EXPECT_EQ(outcome->status, vk::TessellationStatus::complete);
     EXPECT_EQ(outcome->triangle_count, 6u * 2 * 16 * 16);
-    EXPECT_GE(surface->triangle_capacity(), outcome->triangle_count);
-    EXPECT_GE(surface->max_triangle_capacity(), surface->triangle_capacity());
+    EXPECT_GE(surface->options().triangle_capacity, outcome->triangle_count);
+    EXPECT_GE(surface->max_triangle_capacity(), surface->options().triangle_capacity);
 }
 
 TEST_F(Surfaces, MoveTheirVerticesAlone) {
