@@ -25,6 +25,10 @@ Result<vk::Buffer> create_words(const vk::Device& device, uint64_t count, VkBuff
     return vk::create_buffer(device, count * sizeof(uint32_t), vk::kPointUsage | more, vk::MemoryUse::device);
 }
 
+void mark(PassTimer* timer, VkCommandBuffer commands, const char* name) {
+    if (timer != nullptr) timer->record_mark(commands, name);
+}
+
 }  // namespace
 
 struct SurfaceMesh::State {
@@ -46,7 +50,9 @@ struct SurfaceMesh::State {
     uint64_t max_vertices() const {
         return device->properties.limits.maxStorageBufferRange / (kVertexFloats * sizeof(float));
     }
+    void record_points(VkCommandBuffer commands, PassTimer* timer) const;
     void record_face_rates(VkCommandBuffer commands) const;
+    void record_vertices(VkCommandBuffer commands, PassTimer* timer) const;
 };
 
 Result<void> SurfaceMesh::State::upload_tables(const ControlMesh& mesh) {
@@ -182,22 +188,35 @@ const SurfaceMeshOptions& SurfaceMesh::options() const {
     return state_->options;
 }
 
-Result<void> SurfaceMesh::record(VkCommandBuffer commands, const RateSettings& settings) const {
-    const vk::Device& device = *state_->device;
-    state_->level1_points->record(commands);
-    vk::record_barrier(device, commands, vk::kKernelWrites, vk::kKernelReads);
-    auto recorded = state_->tessellation->record(commands, settings);
-    state_->record_face_rates(commands);
-    vk::record_barrier(device, commands, vk::kKernelWrites, kRenderReads);
+void SurfaceMesh::State::record_points(VkCommandBuffer commands, PassTimer* timer) const {
+    level1_points->record(commands);
+    vk::record_barrier(*device, commands, vk::kKernelWrites, vk::kKernelReads);
+    tessellation->record_points(commands);
+    mark(timer, commands, "points");
+}
+
+void SurfaceMesh::State::record_vertices(VkCommandBuffer commands, PassTimer* timer) const {
+    tessellation->record_vertices(commands);
+    vk::record_barrier(*device, commands, vk::kKernelWrites, kRenderReads);
+    mark(timer, commands, "vertices");
+}
+
+Result<void> SurfaceMesh::record(VkCommandBuffer commands, const RateSettings& settings,
+                                 PassTimer* timer) const {
+    const State& state = *state_;
+    state.record_points(commands, timer);
+    auto recorded = state.tessellation->record_rates(commands, settings);
+    state.record_face_rates(commands);
+    mark(timer, commands, "rates");
+    state.tessellation->record_triangles(commands);
+    mark(timer, commands, "triangles");
+    state.record_vertices(commands, timer);
     return recorded;
 }
 
-void SurfaceMesh::record_vertices(VkCommandBuffer commands) const {
-    const vk::Device& device = *state_->device;
-    state_->level1_points->record(commands);
-    vk::record_barrier(device, commands, vk::kKernelWrites, vk::kKernelReads);
-    state_->tessellation->record_vertices(commands);
-    vk::record_barrier(device, commands, vk::kKernelWrites, kRenderReads);
+void SurfaceMesh::record_vertices(VkCommandBuffer commands, PassTimer* timer) const {
+    state_->record_points(commands, timer);
+    state_->record_vertices(commands, timer);
 }
 
 RenderMesh SurfaceMesh::mesh() const {

@@ -8,6 +8,7 @@
 #include "limn/control_mesh.h"
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
+#include "viewer/pass_timer.h"
 #include "viewer/scene.h"
 
 namespace limn::viewer {
@@ -49,10 +50,11 @@ class SurfaceMesh {
 
     /// Control points to triangles, by settings whose mode is that of options(). Before: control points
     /// visible to kernels, earlier reads of the mesh done. After: the mesh is visible to kRenderReads.
-    /// Errors: as vk::Tessellation::record.
-    Result<void> record(VkCommandBuffer commands, const RateSettings& settings) const;
+    /// Errors: as vk::Tessellation::record. `timer` gets a mark a pass.
+    Result<void> record(VkCommandBuffer commands, const RateSettings& settings,
+                        PassTimer* timer = nullptr) const;
     /// The same triangles for control points that have moved.
-    void record_vertices(VkCommandBuffer commands) const;
+    void record_vertices(VkCommandBuffer commands, PassTimer* timer = nullptr) const;
 
     RenderMesh mesh() const;
     RenderLines control_lines() const;

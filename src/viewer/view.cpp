@@ -249,14 +249,12 @@ Result<void> Session::record_surface(VkCommandBuffer commands) {
     const bool measured = wanted.mode != RateMode::uniform;
     if (keep_rates && (state_.frozen || !measured || !surface_changed_)) {
         if (!surface_changed_) return {};
-        surface_->record_vertices(commands);
-        timer_.record_mark(commands, "vertices");
+        surface_->record_vertices(commands, &timer_);
         return {};
     }
-    if (auto recorded = surface_->record(commands, wanted); !recorded) return recorded.error();
+    if (auto recorded = surface_->record(commands, wanted, &timer_); !recorded) return recorded.error();
     tessellated_ = wanted;
     retessellated_ = true;
-    timer_.record_mark(commands, "tessellation");
     return {};
 }
 
