@@ -341,7 +341,8 @@ TEST_F(Program, lists_devices) {
 }
 
 TEST_F(Program, helps) {
-    for (const char* arguments : {"--help", "refine --help", "eval --help", "check --help"}) {
+    for (const char* arguments :
+         {"--help", "refine --help", "eval --help", "check --help", "render --help", "view --help"}) {
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.status, 0);
         EXPECT_NE(outcome.output.find("Usage"), std::string::npos);
@@ -387,6 +388,94 @@ TEST_F(Program, refuses_levels_that_do_not_fit) {
     write("many.obj", grid);
     expect_failure("refine many.obj --level 10 -o result.obj", 1, "2^31 - 1");
 }
+
+#ifdef LIMN_HAVE_PICTURES
+
+/// "WIDTHxHEIGHT" of a PNG file's bytes; empty where they are none.
+std::string png_size(const std::string& bytes) {
+    if (bytes.rfind("\x89PNG\r\n\x1a\n", 0) != 0 || bytes.size() < 24) return {};
+    const auto number = [&](size_t at) {
+        uint32_t value = 0;
+        for (size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
+        return std::to_string(value);
+    };
+    return number(16) + "x" + number(20);
+}
+
+TEST_F(Program, draws_pictures) {
+    const std::string common = "render cube.obj --size 96x64 --rate 4 --validation -o ";
+    const Outcome outcome = run(common + "plain.png");
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_TRUE(outcome.output.empty() && outcome.errors.empty()) << outcome.errors;
+    EXPECT_EQ(png_size(read("plain.png")), "96x64");
+    ASSERT_EQ(run(common + "again.png").status, 0);
+    EXPECT_EQ(read("again.png"), read("plain.png"));
+    // Modes and overlays one by one are what limn_viewer_test is for.
+    for (const char* more : {"--wireframe --control-mesh", "--color level --camera 200,-10,3,60",
+                             "--background '#ff8800' --no-ground --scheme bilinear"}) {
+        const Outcome other = run(common + "other.png " + more);
+        EXPECT_EQ(other.status, 0) << more << ": " << other.errors;
+        EXPECT_EQ(png_size(read("other.png")), "96x64") << more;
+        EXPECT_NE(read("other.png"), read("plain.png")) << more;
+    }
+    EXPECT_EQ(run("render cube.obj --size 96x64 --validation -o other.png").status, 0);
+    const Outcome times = run(common + "plain.png --times --device cpu");
+    EXPECT_NE(times.output.find("192 triangles, 98 vertices"), std::string::npos) << times.output << times.errors;
+    EXPECT_NE(times.output.find("picture"), std::string::npos) << times.output;
+}
+
+TEST_F(Program, refuses_bad_pictures) {
+    for (const char* size : {"0x100", "100x0", "100", "x", "-1x5", "100x100x100", "9999999x10"})
+        expect_failure("render cube.obj -o result.png --size " + std::string(size), 2, size);
+    expect_failure("render cube.obj -o result.png --size 1000000x10", 2, "1000000x10");
+    for (const char* camera : {"nan,0", "0,0,0", "0,inf", "0", "0,0,1,200", "0,100"})
+        expect_failure("render cube.obj -o result.png --camera " + std::string(camera), 2, "camera");
+    expect_failure("render cube.obj -o result.png --background mauve", 2, "mauve");
+    expect_failure("render cube.obj -o result.png --color red", 2, "red");
+    expect_failure("render cube.obj -o result.png --rate 65", 2, "rate");
+    expect_failure("render cube.obj -o result.png --pixel-error 0", 2, "pixel-error");
+    expect_failure("render cube.obj -o result.png --rate 4 --chord-error 0.1", 2, "rate");
+    expect_failure("render cube.obj", 2, "output");
+    expect_failure("render missing.obj -o result.png", 1, "missing.obj: ");
+    expect_failure("render cube.obj -o nowhere/result.png --size 16x16 --rate 1", 1, "nowhere/result.png: ");
+    expect_failure("render cube.obj -o result.png --device 99", 3, "99");
+    write("empty.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nt hole 1/0/0 0\n");
+    expect_failure("render empty.obj -o result.png", 1, "no surface");
+}
+
+#endif
+#ifdef LIMN_HAVE_WINDOW
+
+TEST_F(Program, shows_a_window) {
+    if (std::system("command -v xvfb-run xauth >/dev/null") != 0)
+        GTEST_SKIP() << "xvfb-run or xauth is not installed (Debian: xvfb xauth): limn view is not tested";
+    const std::string display = "xvfb-run -a -s '-screen 0 800x600x24' ";
+    const auto show = [&](const std::string& arguments) {
+        const std::string command = "cd '" + folder_.string() + "' && " + display + LIMN_PROGRAM +
+                                    " view cube.obj --size 480x360 --rate 4 --validation " + arguments +
+                                    " >out.txt 2>err.txt </dev/null";
+        const int status = std::system(command.c_str());
+        return Outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
+    };
+    const Outcome still = show("--screenshot still.png --frames 2");
+    ASSERT_EQ(still.status, 0) << still.output << still.errors;
+    EXPECT_EQ(png_size(read("still.png")), "480x360");
+    const Outcome moving = show("--screenshot moving.png --frames 4 --animate --color level --wireframe");
+    ASSERT_EQ(moving.status, 0) << moving.output << moving.errors;
+    EXPECT_EQ(png_size(read("moving.png")), "480x360");
+    EXPECT_NE(read("moving.png"), read("still.png"));
+}
+
+TEST_F(Program, says_when_there_is_no_display) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    expect_failure("view cube.obj", 3, "display");
+    expect_failure("view cube.obj --screenshot result.png", 3, "display");
+    expect_failure("view missing.obj", 1, "missing.obj: ");
+    expect_failure("view cube.obj --frames 3", 2, "screenshot");
+}
+
+#endif
 
 }  // namespace
 }  // namespace limn

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
     limn::cli::add_refine(program, status);
     limn::cli::add_eval(program, status);
     limn::cli::add_check(program, status);
+    limn::cli::add_render(program, status);
+    limn::cli::add_view(program, status);
     limn::cli::add_devices(program, status);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
     const bool known = argc < 2 || argv[1][0] == '-' ||

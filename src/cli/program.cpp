@@ -85,6 +85,10 @@ int fail(const Error& error) {
     return error.code == ErrorCode::no_device ? kNoDevice : kBadInput;
 }
 
+std::vector<std::string> scheme_names() {
+    return names(kSchemes);
+}
+
 void add_surface_options(CLI::App& command, SurfaceOptions& options) {
     const char* group = "Surface (the model's own tags hold where these are not given)";
     command.add_option("--scheme", options.scheme, "Subdivision scheme")

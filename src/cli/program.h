@@ -29,6 +29,9 @@ struct SurfaceOptions {
 };
 void add_surface_options(CLI::App& command, SurfaceOptions& options);
 
+/// What --scheme takes.
+std::vector<std::string> scheme_names();
+
 /// A model file as a checked control mesh.
 struct LoadedModel {
     Model model;
@@ -64,6 +67,8 @@ void add_info(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
 void add_eval(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
+void add_render(CLI::App& program, int& status);
+void add_view(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 
 }  // namespace limn::cli

@@ -1,0 +1,154 @@
+// limn render: a picture of the limit surface.
+#include "cli/program.h"
+
+#ifdef LIMN_HAVE_PICTURES
+#include <cmath>
+
+#include "cli/picture_options.h"
+#include "viewer/graphics_device.h"
+#include "viewer/renderer.h"
+#include "viewer/surface_mesh.h"
+#endif
+
+namespace limn::cli {
+namespace {
+
+#ifdef LIMN_HAVE_PICTURES
+
+struct Options {
+    std::string model, output;
+    std::string size = "1280x960";
+    LookOptions look;
+    SurfaceOptions surface;
+    DeviceOption device;
+    bool times = false;
+};
+
+/// What is drawn, and from where.
+struct Scene {
+    std::unique_ptr<viewer::SurfaceKernels> kernels;  ///< outlive the surface, and do not move
+    viewer::SurfaceMesh surface;
+    viewer::Renderer::View view;
+    vk::TessellationResult triangles;
+};
+
+viewer::Bounds bounds_of(std::span<const float> positions) {
+    viewer::Bounds bounds = {glm::vec3(HUGE_VALF), glm::vec3(-HUGE_VALF)};
+    for (size_t i = 0; i + 2 < positions.size(); i += 3) {
+        const glm::vec3 position(positions[i], positions[i + 1], positions[i + 2]);
+        bounds.low = glm::min(bounds.low, position);
+        bounds.high = glm::max(bounds.high, position);
+    }
+    return bounds;
+}
+
+/// Makes the triangles that the options ask for: first for a camera that sees the control mesh, then, with
+/// the surface measured, for the one that the picture is taken with.
+Result<Scene> build_scene(const Options& options, const vk::Device& device, VkExtent2D extent,
+                          const LoadedModel& loaded) {
+    auto kernels = viewer::SurfaceKernels::create(device);
+    if (!kernels) return kernels.error();
+    auto shared_kernels = std::make_unique<viewer::SurfaceKernels>(std::move(*kernels));
+    const viewer::CameraView camera = camera_view(options.look);
+    const viewer::RenderSettings settings = settings_of(options.look, camera);
+    RateSettings rates = rate_settings_of(options.look);
+    auto surface = viewer::SurfaceMesh::create(device, *shared_kernels, loaded.mesh, loaded.model.positions,
+                                               {.mode = rates.mode, .places = needs_places(settings.color)});
+    if (!surface) return surface.error();
+    const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
+    const viewer::Bounds around = bounds_of(loaded.model.positions);
+    rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent);
+    if (const auto done = surface->tessellate(rates); !done) return done.error();
+    const auto bounds = surface->measure();
+    if (!bounds) return bounds.error();
+    const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds, settings};
+    rates.camera = viewer::rate_camera(view.camera, extent);
+    const auto triangles = surface->tessellate(rates);
+    if (!triangles) return triangles.error();
+    return Scene{std::move(shared_kernels), std::move(*surface), view, *triangles};
+}
+
+Result<viewer::Picture> draw(const Options& options, const vk::Device& device, viewer::Renderer& renderer,
+                             const LoadedModel& loaded, Progress& progress) {
+    progress.show("tessellating " + plural(loaded.mesh.face_count(), "face"));
+    auto scene = build_scene(options, device, renderer.extent(), loaded);
+    if (!scene) return scene.error();
+    if (scene->triangles.status != vk::TessellationStatus::complete) {
+        progress.clear();
+        std::fprintf(stderr, "limn: note: %s holds at most %s at once: rates are scaled by %.3g\n",
+                     device.name(), plural(scene->surface.options().triangle_capacity, "triangle").c_str(),
+                     static_cast<double>(scene->triangles.rate_scale));
+    }
+    progress.show(std::string("drawing on ") + device.name());
+    renderer.set_scene(scene->surface.mesh(), scene->surface.control_lines());
+    viewer::PassTimer timer(device);
+    auto commands = vk::Commands::begin(device);
+    if (!commands) return commands.error();
+    timer.record_begin(*commands);
+    renderer.record(*commands, scene->view, &timer);
+    renderer.record_finish(*commands);
+    renderer.record_readback(*commands);
+    if (auto done = commands->submit_and_wait(); !done) return done.error();
+    if (options.times) {
+        std::printf("%s, %s\n", plural(scene->triangles.triangle_count, "triangle").c_str(),
+                    scene->triangles.vertex_count == 1
+                        ? "1 vertex"
+                        : (std::to_string(scene->triangles.vertex_count) + " vertices").c_str());
+        for (const auto& pass : timer.read()) std::printf("%-12s %8.2f ms\n", pass.name, pass.milliseconds);
+    }
+    return renderer.read_picture();
+}
+
+int run(const Options& options) {
+    Progress progress;
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return fail(loaded.error());
+    const auto graphics = viewer::GraphicsDevice::create(
+        {.device_index = graphics_device_index(options.device), .validation = options.device.validation});
+    if (!graphics) return fail(graphics.error());
+    auto file = FileWriter::create(options.output);  // sooner than the work for it
+    if (!file) return fail(file.error());
+    Result<viewer::Picture> picture = viewer::Picture{};
+    {
+        auto renderer = viewer::Renderer::create(graphics->device());
+        if (!renderer) return fail(renderer.error());
+        if (auto sized = renderer->resize(*parse_size(options.size)); !sized) {
+            fail(sized.error());
+            return sized.error().code == ErrorCode::unsupported ? kBadUsage : kBadInput;
+        }
+        picture = draw(options, graphics->device(), *renderer, *loaded, progress);
+    }
+    if (!picture) return fail(picture.error());
+    if (auto silent = graphics->check_validation(); !silent) return fail(silent.error());
+    progress.show("writing " + options.output);
+    if (auto done = viewer::write_png(std::move(*file), *picture); !done) return fail(done.error());
+    return 0;
+}
+
+#endif
+
+}  // namespace
+
+void add_render(CLI::App& program, int& status) {
+    CLI::App* command = program.add_subcommand("render", "Draw the limit surface into a PNG file");
+#ifdef LIMN_HAVE_PICTURES
+    auto options = std::make_shared<Options>();
+    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("-o,--output", options->output, "PNG file to write")->required();
+    add_size_option(*command, options->size);
+    command->add_flag("--times", options->times, "Print what each pass takes on the device");
+    add_look_options(*command, options->look);
+    add_surface_options(*command, options->surface);
+    add_graphics_device_option(*command, options->device);
+    command->callback([options, &status] { status = run(*options); });
+#else
+    command->allow_extras();
+    command->callback([&status] {
+        status =
+            fail({ErrorCode::no_device, "render: this build has no pictures: libpng or GLM was missing"});
+    });
+#endif
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,97 @@
+// limn view: a window on a model.
+#include "cli/program.h"
+
+#ifdef LIMN_HAVE_WINDOW
+#include <algorithm>
+
+#include "cli/picture_options.h"
+#include "limn/file.h"
+#include "viewer/view.h"
+#endif
+
+namespace limn::cli {
+namespace {
+
+#ifdef LIMN_HAVE_WINDOW
+
+struct Options {
+    std::string model, screenshot;
+    std::string size = "1280x800";
+    uint32_t frames = 0;
+    bool animate = false;
+    LookOptions look;
+    SurfaceOptions surface;
+    DeviceOption device;
+};
+
+int run(const Options& options) {
+    viewer::ViewOptions view;
+    view.title = printable(options.model.substr(options.model.rfind('/') + 1));
+    view.size = *parse_size(options.size);
+    view.device_index = graphics_device_index(options.device);
+    view.validation = options.device.validation;
+    view.camera = camera_view(options.look);
+    view.settings = settings_of(options.look, view.camera);
+    view.rates = rate_settings_of(options.look);
+    view.animate = options.animate;
+    view.schemes = scheme_names();
+    view.colors = color_names();
+    const auto scheme = std::find(view.schemes.begin(), view.schemes.end(), options.surface.scheme);
+    view.scheme = static_cast<int>(scheme - view.schemes.begin());
+    view.load = [&options](const std::string& name) -> Result<viewer::ViewModel> {
+        SurfaceOptions surface = options.surface;
+        surface.scheme = name;
+        Result<LoadedModel> loaded = load_model(options.model, surface);
+        if (!loaded) return loaded.error();
+        return viewer::ViewModel{std::move(loaded->mesh), std::move(loaded->model.positions)};
+    };
+    if (!options.screenshot.empty()) view.frame_count = std::max(options.frames, 1u);
+    // A model that cannot be read needs no window to say so.
+    if (const auto readable = view.load(options.surface.scheme); !readable) return fail(readable.error());
+    std::optional<FileWriter> file;
+    if (!options.screenshot.empty()) {
+        auto created = FileWriter::create(options.screenshot);
+        if (!created) return fail(created.error());
+        file.emplace(std::move(*created));
+    }
+    const auto picture = viewer::view(view);
+    if (!picture) return fail(picture.error());
+    if (options.screenshot.empty()) return 0;
+    if (!*picture)
+        return fail({ErrorCode::cannot_open, "the window was closed before its picture was taken"});
+    if (auto done = viewer::write_png(std::move(*file), **picture); !done) return fail(done.error());
+    return 0;
+}
+
+#endif
+
+}  // namespace
+
+void add_view(CLI::App& program, int& status) {
+    CLI::App* command = program.add_subcommand("view", "Show the limit surface in a window");
+#ifdef LIMN_HAVE_WINDOW
+    auto options = std::make_shared<Options>();
+    command->add_option("MODEL", options->model, "OBJ file")->required();
+    add_size_option(*command, options->size);
+    command->add_flag("--animate", options->animate, "Move the control points");
+    auto* screenshot = command->add_option("--screenshot", options->screenshot,
+                                           "Write what the window shows into this PNG file, then end");
+    command
+        ->add_option("--frames", options->frames, "Frames to show before that, a sixtieth of a second apart")
+        ->check(CLI::Range(1u, 100000u))
+        ->needs(screenshot);
+    add_look_options(*command, options->look);
+    add_surface_options(*command, options->surface);
+    add_graphics_device_option(*command, options->device);
+    command->callback([options, &status] { status = run(*options); });
+#else
+    command->allow_extras();
+    command->callback([&status] {
+        status = fail({ErrorCode::no_device,
+                       "view: this build has no window: libpng, GLM, GLFW or Dear ImGui "
+                       "was missing"});
+    });
+#endif
+}
+
+}  // namespace limn::cli

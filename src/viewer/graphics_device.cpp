@@ -1,0 +1,265 @@
+#include "viewer/graphics_device.h"
+
+#include <vulkan/vulkan.h>
+
+#include <cstring>
+#include <mutex>
+
+namespace limn::viewer {
+namespace {
+
+constexpr char kValidationLayer[] = "VK_LAYER_KHRONOS_validation";
+
+/// What the validation layer said. Messages may come from any thread.
+struct Messages {
+    std::mutex mutex;
+    uint32_t count = 0;
+    std::string first;
+};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL receive_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    Messages& messages = *static_cast<Messages*>(user);
+    const std::lock_guard lock(messages.mutex);
+    if (messages.count++ == 0) messages.first = data->pMessage;
+    return VK_FALSE;
+}
+
+VkDebugUtilsMessengerCreateInfoEXT messenger_info(Messages* messages) {
+    VkDebugUtilsMessengerCreateInfoEXT info = {};
+    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    info.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    info.messageType =
+        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    info.pfnUserCallback = receive_message;
+    info.pUserData = messages;
+    return info;
+}
+
+bool is_layer_installed(const char* name) {
+    uint32_t count = 0;
+    if (vkEnumerateInstanceLayerProperties(&count, nullptr) != VK_SUCCESS) return false;
+    std::vector<VkLayerProperties> layers(count);
+    if (count != 0 && vkEnumerateInstanceLayerProperties(&count, layers.data()) < VK_SUCCESS) return false;
+    for (const VkLayerProperties& layer : layers)
+        if (std::strcmp(layer.layerName, name) == 0) return true;
+    return false;
+}
+
+/// `messages` receives what validation has to say, and is null without it.
+Result<VkInstance> create_instance(const GraphicsDeviceOptions& options, Messages* messages) {
+    VkApplicationInfo application = {};
+    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    application.pApplicationName = "limn";
+    application.apiVersion = VK_API_VERSION_1_2;
+    const VkValidationFeatureEnableEXT feature = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    VkValidationFeaturesEXT features = {};
+    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = &feature;
+    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(messages);
+    messenger.pNext = &features;
+    const char* const layer = kValidationLayer;
+    std::vector<const char*> extensions = options.instance_extensions;
+    VkInstanceCreateInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    info.pApplicationInfo = &application;
+    if (messages != nullptr) {
+        if (!is_layer_installed(kValidationLayer))
+            return Error{ErrorCode::unsupported, std::string("validation was asked for, but ") +
+                                                     kValidationLayer + " is not installed"};
+        info.pNext = &messenger;
+        info.enabledLayerCount = 1;
+        info.ppEnabledLayerNames = &layer;
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    }
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    VkInstance instance = VK_NULL_HANDLE;
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_EXTENSION_NOT_PRESENT)
+        return Error{ErrorCode::no_device, result == VK_ERROR_INCOMPATIBLE_DRIVER
+                                               ? "there is no Vulkan driver"
+                                               : "no Vulkan driver here can show pictures in a window"};
+    if (result != VK_SUCCESS) return vk::vulkan_error("vkCreateInstance", result);
+    return instance;
+}
+
+bool has_extension(VkPhysicalDevice device, const char* name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+    for (const VkExtensionProperties& extension : extensions)
+        if (std::strcmp(extension.extensionName, name) == 0) return true;
+    return false;
+}
+
+/// A device among all of them, in the order of `limn devices`.
+struct Candidate {
+    VkPhysicalDevice handle = VK_NULL_HANDLE;
+    VkPhysicalDeviceProperties properties = {};
+    std::optional<uint32_t> queue_family;  ///< none: not usable
+};
+
+Candidate inspect(const GraphicsDeviceOptions& options, VkInstance instance, VkPhysicalDevice handle) {
+    Candidate candidate;
+    candidate.handle = handle;
+    vkGetPhysicalDeviceProperties(handle, &candidate.properties);
+    if (candidate.properties.apiVersion < VK_API_VERSION_1_2) return candidate;
+    if (options.can_present != nullptr && !has_extension(handle, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+        return candidate;
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, families.data());
+    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (uint32_t i = 0; i < count && !candidate.queue_family; ++i)
+        if ((families[i].queueFlags & kNeeded) == kNeeded &&
+            (options.can_present == nullptr || options.can_present(instance, handle, i)))
+            candidate.queue_family = i;
+    return candidate;
+}
+
+Result<std::vector<Candidate>> inspect_all(const GraphicsDeviceOptions& options, VkInstance instance) {
+    uint32_t count = 0;
+    VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr);
+    std::vector<VkPhysicalDevice> handles(count);
+    if (result == VK_SUCCESS && count != 0)
+        result = vkEnumeratePhysicalDevices(instance, &count, handles.data());
+    if (result != VK_SUCCESS && result != VK_ERROR_INITIALIZATION_FAILED)
+        return vk::vulkan_error("vkEnumeratePhysicalDevices", result);
+    if (count == 0) return Error{ErrorCode::no_device, "there is no Vulkan device"};
+    std::vector<Candidate> candidates;
+    for (const VkPhysicalDevice handle : handles) candidates.push_back(inspect(options, instance, handle));
+    return candidates;
+}
+
+Result<Candidate> select(const std::vector<Candidate>& candidates, const GraphicsDeviceOptions& options) {
+    const uint32_t wanted = options.device_index;
+    const std::string needs =
+        options.can_present ? "Vulkan 1.2, graphics and windows" : "Vulkan 1.2 and graphics";
+    constexpr VkPhysicalDeviceType kPreference[] = {
+        VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU,
+        VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU, VK_PHYSICAL_DEVICE_TYPE_CPU, VK_PHYSICAL_DEVICE_TYPE_OTHER};
+    for (const VkPhysicalDeviceType type : kPreference) {
+        if (wanted != vk::kAutomaticDevice &&
+            (wanted != vk::kCpuDevice || type != VK_PHYSICAL_DEVICE_TYPE_CPU))
+            continue;
+        for (const Candidate& candidate : candidates)
+            if (candidate.queue_family && candidate.properties.deviceType == type) return candidate;
+    }
+    if (wanted == vk::kAutomaticDevice)
+        return Error{ErrorCode::no_device, "no Vulkan device supports " + needs};
+    if (wanted == vk::kCpuDevice)
+        return Error{ErrorCode::no_device, "no Vulkan device of type CPU supports " + needs};
+    if (wanted >= candidates.size())
+        return Error{ErrorCode::no_device, "there is no Vulkan device " + std::to_string(wanted) + ", only " +
+                                               std::to_string(candidates.size())};
+    if (!candidates[wanted].queue_family)
+        return Error{ErrorCode::no_device,
+                     std::string(candidates[wanted].properties.deviceName) + " does not support " + needs};
+    return candidates[wanted];
+}
+
+Result<VkDevice> create_device(const Candidate& candidate, bool swapchain) {
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue = {};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queue.queueFamilyIndex = *candidate.queue_family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    const char* const extension = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    VkDeviceCreateInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = swapchain ? 1 : 0;
+    info.ppEnabledExtensionNames = &extension;
+    VkDevice device = VK_NULL_HANDLE;
+    if (const VkResult result = vkCreateDevice(candidate.handle, &info, nullptr, &device);
+        result != VK_SUCCESS)
+        return vk::vulkan_error("vkCreateDevice", result);
+    return device;
+}
+
+}  // namespace
+
+struct GraphicsDevice::Owned {
+    Messages messages;
+    VkInstance instance = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+
+    Result<void> create_messenger() {
+        const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+            vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+        const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(&messages);
+        if (const VkResult result = create(instance, &info, nullptr, &messenger); result != VK_SUCCESS)
+            return vk::vulkan_error("vkCreateDebugUtilsMessengerEXT", result);
+        return {};
+    }
+
+    ~Owned() {
+        if (device != VK_NULL_HANDLE) vkDestroyDevice(device, nullptr);
+        if (messenger != VK_NULL_HANDLE)
+            reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
+                instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger, nullptr);
+        if (instance != VK_NULL_HANDLE) vkDestroyInstance(instance, nullptr);
+    }
+};
+
+GraphicsDevice::GraphicsDevice() : owned_(std::make_unique<Owned>()) {}
+GraphicsDevice::GraphicsDevice(GraphicsDevice&&) noexcept = default;
+GraphicsDevice::~GraphicsDevice() = default;
+
+Result<GraphicsDevice> GraphicsDevice::create(const GraphicsDeviceOptions& options) {
+    GraphicsDevice out;
+    Owned& owned = *out.owned_;
+    const auto instance = create_instance(options, options.validation ? &owned.messages : nullptr);
+    if (!instance) return instance.error();
+    owned.instance = *instance;
+    if (options.validation)
+        if (auto created = owned.create_messenger(); !created) return created.error();
+    const auto candidates = inspect_all(options, owned.instance);
+    if (!candidates) return candidates.error();
+    const auto chosen = select(*candidates, options);
+    if (!chosen) return chosen.error();
+    const auto device = create_device(*chosen, options.can_present != nullptr);
+    if (!device) return device.error();
+    owned.device = *device;
+    vk::BorrowedHandles handles;
+    handles.instance = owned.instance;
+    handles.physical_device = chosen->handle;
+    handles.device = owned.device;
+    handles.queue_family_index = *chosen->queue_family;
+    handles.get_instance_proc_addr = vkGetInstanceProcAddr;
+    vkGetDeviceQueue(owned.device, *chosen->queue_family, 0, &handles.queue);
+    Result<vk::Context> context = vk::Context::borrow(handles);
+    if (!context) return context.error();
+    out.context_.emplace(std::move(*context));
+    return out;
+}
+
+uint32_t GraphicsDevice::validation_message_count() const {
+    const std::lock_guard lock(owned_->messages.mutex);
+    return owned_->messages.count;
+}
+
+std::string GraphicsDevice::first_validation_message() const {
+    const std::lock_guard lock(owned_->messages.mutex);
+    return owned_->messages.first;
+}
+
+Result<void> GraphicsDevice::check_validation() const {
+    const uint32_t count = validation_message_count();
+    if (count == 0) return {};
+    return Error{ErrorCode::vulkan_failure, std::to_string(count) + " validation message" +
+                                                (count == 1 ? "" : "s") +
+                                                ", the first: " + first_validation_message()};
+}
+
+}  // namespace limn::viewer

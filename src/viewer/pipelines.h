@@ -1,0 +1,27 @@
+// What drawing takes that does not depend on the size of the picture: passes, layouts, pipelines.
+#pragma once
+
+#include "viewer/handles.h"
+
+namespace limn::viewer {
+
+inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
+inline constexpr VkFormat kRawColorFormat = VK_FORMAT_R8G8B8A8_UNORM;  ///< the same bytes, not decoded
+inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kSkyFormat = VK_FORMAT_D16_UNORM;
+inline constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;  // every device has it
+
+struct Pipelines {
+    UniqueSetLayout set_layout;
+    UniquePipelineLayout layout;
+    /// Attachment 0 colour and 1 depth of several samples, 2 what is resolved, left as a colour attachment.
+    UniqueRenderPass scene_pass;
+    UniqueRenderPass shadow_pass, sky_pass;  ///< depth only, left readable for fragment stages
+    UniquePipeline backdrop, ground, mesh, mesh_pulled, lines, hidden_lines;
+    UniquePipeline shadow, sky;
+};
+
+/// Viewport and scissor are dynamic. Errors: out_of_memory, vulkan_failure.
+Result<Pipelines> create_pipelines(const vk::Device& device);
+
+}  // namespace limn::viewer
