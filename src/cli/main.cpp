@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     limn::cli::add_info(program, status);
     limn::cli::add_refine(program, status);
     limn::cli::add_eval(program, status);
+    limn::cli::add_tessellate(program, status);
     limn::cli::add_check(program, status);
     limn::cli::add_devices(program, status);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
