@@ -42,7 +42,7 @@ void main() {
         if (!looks) p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         const float given =
             kMode == kRatePerEdge ? SECOND(floatBitsToUint(params.payload[kGiven]) + edge) : 0.0;
-        target = measure_edge(kMode, params.payload[kValue], given, camera, p[0], p[1], p[2], p[3], p[4]);
+        target = edge_target(kMode, params.payload[kValue], given, params.max_rate, camera, p[0], p[1], p[2], p[3], p[4]);
         for (uint i = 0; i < kRateSamples; ++i)
             if (!is_finite_point(p[i])) state[kTessResultNotFinite] = 1;
     }

@@ -267,6 +267,15 @@ TEST(Tessellate, RatesFollowTheMode) {
     const double coarse = sum(rates(chord));
     chord.value = 0.5e-3f;
     EXPECT_NEAR(sum(rates(chord)) / coarse, std::sqrt(2), 0.05);
+    // What is flat needs one segment, and is drawn.
+    TestMesh cube = make_cube();
+    cube.options.scheme = Scheme::bilinear;
+    const Built flat = build(cube);
+    for (const RateMode mode : {RateMode::chord_error, RateMode::pixel_error}) {
+        const auto least = compute_rates(flat.patches, flat.table, {.mode = mode, .value = 1e-3f}, flat.points);
+        ASSERT_TRUE(least);
+        for (const uint32_t r : *least) EXPECT_EQ(r, shared::kRateOne);
+    }
     // One scale for all: sums follow it although each rate is whole.
     const double full = sum(rates({.value = 8}));
     for (const double scale : {0.9, 0.77, 0.5}) EXPECT_NEAR(sum(rates({.value = 8}, scale)) / full, scale, 0.03);

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     limn::cli::add_info(program, status);
     limn::cli::add_refine(program, status);
     limn::cli::add_eval(program, status);
+    limn::cli::add_tessellate(program, status);
     limn::cli::add_check(program, status);
     limn::cli::add_render(program, status);
     limn::cli::add_view(program, status);

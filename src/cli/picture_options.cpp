@@ -44,7 +44,7 @@ void add_rate_options(CLI::App& command, LookOptions& options) {
     CLI::Option* choices[] = {
         add("--rate", options.rate, "So many along each side of a face, 1 to 64")->check(CLI::Range(1, 64)),
         add("--pixel-error", options.pixel_error, "As few as miss the surface by at most so many pixels"),
-        add("--edge-length", options.edge_length, "Edges of about so many pixels"),
+        add("--edge-pixels", options.edge_pixels, "Edges of about so many pixels"),
         add("--chord-error", options.chord_error, "As few as miss the surface by at most this length")};
     for (CLI::Option* one : choices)
         for (CLI::Option* other : choices)
@@ -113,7 +113,7 @@ RateSettings rate_settings_of(const LookOptions& options) {
         std::optional<float> value;
         RateMode mode;
     } choices[] = {{options.rate, RateMode::uniform},
-                   {options.edge_length, RateMode::screen_length},
+                   {options.edge_pixels, RateMode::screen_length},
                    {options.chord_error, RateMode::chord_error},
                    {options.pixel_error, RateMode::pixel_error}};
     settings.mode = RateMode::pixel_error;

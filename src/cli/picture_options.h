@@ -12,7 +12,7 @@ struct LookOptions {
     std::string camera = "30,20";
     std::string color = "clay";
     std::string background = "studio";
-    std::optional<float> rate, pixel_error, edge_length, chord_error;  ///< one at most
+    std::optional<float> rate, pixel_error, edge_pixels, chord_error;  ///< one at most
     bool wireframe = false, control_mesh = false, no_ground = false;
 };
 void add_look_options(CLI::App& command, LookOptions& options);

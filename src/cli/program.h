@@ -66,6 +66,7 @@ std::string human_bytes(uint64_t bytes);
 void add_info(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
 void add_eval(CLI::App& program, int& status);
+void add_tessellate(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
 void add_render(CLI::App& program, int& status);
 void add_view(CLI::App& program, int& status);

@@ -269,9 +269,9 @@ Result<std::vector<uint32_t>> compute_rates(const PatchTable& patches, const Tes
             p[i] = {value[0], value[1], value[2]};
         }
         const double target =
-            shared::measure_edge(static_cast<uint32_t>(settings.mode), settings.value,
-                                 settings.mode == RateMode::per_edge ? edge_rates[e] : 0, camera, p[0], p[1], p[2],
-                                 p[3], p[4]);
+            shared::edge_target(static_cast<uint32_t>(settings.mode), settings.value,
+                                settings.mode == RateMode::per_edge ? edge_rates[e] : 0, settings.max_rate, camera, p[0],
+                                p[1], p[2], p[3], p[4]);
         rates[e] = shared::round_rate(target, scale, static_cast<uint32_t>(settings.spacing), settings.max_rate,
                                       edge[0], is_measured(settings.mode), scale < 1 ? shared::rate_dither(e) : -1);
     }

@@ -262,6 +262,20 @@ TEST_F(TessellatorTest, RatesAreScaledToFitTheCapacity) {
     }
 }
 
+TEST_F(TessellatorTest, FlatFacesAreDrawnAndSmallErrorsFit) {
+    TestMesh cube = limn::test::make_cube();
+    cube.options.scheme = Scheme::bilinear;
+    TessellationRequest request;
+    request.settings = {.mode = RateMode::chord_error, .value = 1e-3f};
+    EXPECT_EQ(tessellate_on_device(cube, request).result.triangle_count, 12u);
+    request.settings.value = 1e-30f;
+    request.fit_capacity = true;
+    request.triangle_capacity = 1000;
+    const TessellatedShape t = tessellate_on_device(limn::test::make_globe(5, 4), request);
+    EXPECT_EQ(t.result.status, TessellationStatus::scaled);
+    EXPECT_GE(t.result.triangle_count, 900u);
+}
+
 TEST_F(TessellatorTest, RatesThatFitAreNotScaled) {
     const TestMesh shape = limn::test::make_globe(5, 3);
     TessellationRequest request = random_request(shape, TessellationSpacing::integer, 9, 1);

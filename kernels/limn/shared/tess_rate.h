@@ -50,15 +50,11 @@ LIMN_FN real bend_of(TessPoint p0, TessPoint p1, TessPoint p2, TessPoint p3, Tes
     return greater_of(a, greater_of(b, c));
 }
 
-// Segments that an edge should have, not yet rounded; 0 where a sample is no number. `value`: the mode's: a rate, pixels,
-// pixels, a length, or the distance at which the rate is 1; `given` is the caller's rate of a per-edge mode.
-LIMN_FN real measure_edge(uint mode, real value, real given, RateCamera camera, TessPoint p0, TessPoint p1, TessPoint p2,
-                          TessPoint p3, TessPoint p4) {
+// Segments that an edge needs, in modes that look at it. `value`: the mode's: pixels, pixels, a length, or the distance at
+// which the rate is 1.
+LIMN_FN real measure_edge(uint mode, real value, RateCamera camera, TessPoint p0, TessPoint p1, TessPoint p2, TessPoint p3,
+                          TessPoint p4) {
     const real zero = real(0), half_of = real(0.5), two = real(2);
-    if (!(is_finite_point(p0) && is_finite_point(p1) && is_finite_point(p2) && is_finite_point(p3) && is_finite_point(p4)))
-        return zero;
-    if (mode == kRateUniform) return value;
-    if (mode == kRatePerEdge) return given;
     if (mode == kRateChordError) return sqrt(two * bend_of(p0, p1, p2, p3, p4) / value);
 
     real x[5], y[5], w[5];
@@ -92,6 +88,25 @@ LIMN_FN real measure_edge(uint mode, real value, real given, RateCamera camera, 
         if (i > 0) pixels += length_of(x[i] - x[i - 1], y[i] - y[i - 1], zero);
     }
     return pixels / value;
+}
+
+// Segments that an edge should have, not yet rounded and at most `most`; 0 where a sample is no number, or the rate given is
+// none. What is measured is never 0: a flat edge has one segment, too. `value` in uniform mode and `given` in mode per_edge
+// are rates.
+LIMN_FN real edge_target(uint mode, real value, real given, uint most, RateCamera camera, TessPoint p0, TessPoint p1,
+                         TessPoint p2, TessPoint p3, TessPoint p4) {
+    const real zero = real(0), largest = real(most), least = real(0.001);
+    if (!(is_finite_point(p0) && is_finite_point(p1) && is_finite_point(p2) && is_finite_point(p3) && is_finite_point(p4)))
+        return zero;
+    real target = mode == kRateUniform ? value : given;
+    if (mode == kRateUniform || mode == kRatePerEdge) {
+        if (!is_finite_number(target) || target <= zero) return zero;
+    } else {
+        target = measure_edge(mode, value, camera, p0, p1, p2, p3, p4);
+        if (!is_finite_number(target)) target = largest;  // an error so small that its share of the edge overflows
+        target = greater_of(target, least);
+    }
+    return target < largest ? target : largest;
 }
 
 // Rounding thresholds of edges, spread evenly over 0 .. 1 by the golden ratio: where a budget scales all rates by one

@@ -1,0 +1,338 @@
+// limn tessellate: the limit surface as triangles, as many as are asked for where they are needed.
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "cli/gltf.h"
+#include "cli/tessellation_runner.h"
+#include "limn/file.h"
+#include "limn/ply.h"
+#include "viewer/camera.h"
+
+namespace limn::cli {
+namespace {
+
+constexpr const char* kEndings[] = {".obj", ".ply", ".glb"};
+constexpr uint32_t kDefaultMaxRate = 64;  // more where --rate asks for it
+constexpr float kLargestSize = 1 << 20;   // pixels a side
+constexpr float kLeast = 1e-6f, kMost = 1e6f;
+constexpr float kLeastLength = 1e-30f, kMostLength = 1e30f;  // models come in any unit
+
+/// An option that says what decides rates. One at most is given.
+struct ModeOption {
+    const char* name;
+    RateMode mode;
+    float low, high;
+    const char* description;
+};
+constexpr ModeOption kModes[] = {
+    {"--rate", RateMode::uniform, 1, shared::kMaxSideRate,
+     "Segments of every edge of the control mesh (default 8)"},
+    {"--pixel-error", RateMode::pixel_error, kLeast, kMost, "By how many pixels edges may miss the surface"},
+    {"--edge-pixels", RateMode::screen_length, kLeast, kMost,
+     "How many pixels long the triangles' edges are"},
+    {"--chord-error", RateMode::chord_error, kLeastLength, kMostLength,
+     "By what length, in the model's units, edges may miss the surface"},
+    {"--distance", RateMode::distance, kLeastLength, kMostLength,
+     "The distance from the camera at which the rate is 1; it is 2 at half of that, and so on"}};
+
+struct Size {
+    float width, height;
+};
+
+struct Options {
+    std::string model, output;
+    std::array<std::optional<float>, std::size(kModes)> values;
+    std::string spacing = "integer", camera = "30,20", size = "1280x960", uv = "auto";
+    std::optional<std::string> cull;
+    std::optional<uint32_t> max_rate, max_triangles;
+    SurfaceOptions surface;
+    DeviceOption device;
+};
+
+bool ends_with(const std::string& text, std::string_view ending) {
+    return text.size() >= ending.size() &&
+           text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+/// All of `text` as a number of this type; nothing where it is none.
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+    Number number = {};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return number;
+}
+
+std::optional<Size> parse_size(const std::string& text) {
+    const size_t x = text.find('x');
+    if (x == text.npos) return std::nullopt;
+    const auto width = parse_number<uint32_t>(std::string_view(text).substr(0, x)),
+               height = parse_number<uint32_t>(std::string_view(text).substr(x + 1));
+    if (!width || !height) return std::nullopt;
+    const Size size = {static_cast<float>(*width), static_cast<float>(*height)};
+    const auto good = [](float side) { return side >= 1 && side <= kLargestSize; };
+    return good(size.width) && good(size.height) ? std::optional(size) : std::nullopt;
+}
+
+struct Culling {
+    bool outside = false, backfaces = false;
+};
+std::optional<Culling> parse_culling(const std::string& text) {
+    Culling culling;
+    for (size_t at = 0, end = 0; end != text.size(); at = end + 1) {
+        end = std::min(text.find(',', at), text.size());
+        const std::string_view word = std::string_view(text).substr(at, end - at);
+        if (word != "outside" && word != "backfaces") return std::nullopt;
+        (word == "outside" ? culling.outside : culling.backfaces) = true;
+        if (end + 1 == text.size()) return std::nullopt;  // a comma with nothing behind it
+    }
+    if (text.empty()) return std::nullopt;
+    return culling;
+}
+
+TessellationSpacing spacing_of(const std::string& name) {
+    if (name == "pow2") return TessellationSpacing::power_of_two;
+    return name == "fractional" ? TessellationSpacing::fractional : TessellationSpacing::integer;
+}
+
+/// Looks at the box of the control points.
+Camera camera_of(const Options& options, std::span<const float> positions) {
+    viewer::Bounds bounds;
+    for (size_t i = 0; i + 2 < positions.size(); i += 3) {
+        const glm::vec3 point(positions[i], positions[i + 1], positions[i + 2]);
+        bounds.low = i == 0 ? point : glm::min(bounds.low, point);
+        bounds.high = i == 0 ? point : glm::max(bounds.high, point);
+    }
+    const Size size = *parse_size(options.size);
+    const float aspect = size.width / size.height;
+    const glm::mat4 clip_from_world =
+        viewer::Camera::frame(bounds, *viewer::parse_camera(options.camera), aspect).clip_from_world(aspect);
+    Camera camera;
+    camera.width = size.width;
+    camera.height = size.height;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) camera.matrix[4 * column + row] = clip_from_world[column][row];
+    return camera;
+}
+
+RateSettings settings_of(const Options& options, std::span<const float> positions) {
+    RateSettings settings;
+    for (size_t i = 0; i < std::size(kModes); ++i) {
+        if (!options.values[i]) continue;
+        settings.mode = kModes[i].mode;
+        settings.value = *options.values[i];
+    }
+    settings.spacing = spacing_of(options.spacing);
+    settings.max_rate = kDefaultMaxRate;
+    if (settings.mode == RateMode::uniform)
+        settings.max_rate = std::max(settings.max_rate, static_cast<uint32_t>(std::ceil(settings.value)));
+    settings.max_rate = options.max_rate.value_or(settings.max_rate);
+    settings.camera = camera_of(options, positions);
+    if (options.cull) {
+        const Culling culling = *parse_culling(*options.cull);
+        settings.cull_outside = culling.outside;
+        settings.cull_backfaces = culling.backfaces;
+    }
+    return settings;
+}
+
+/// What cannot be told from one option alone. Throws as CLI11 does.
+void check_usage(const Options& options) {
+    const std::optional<float>& rate = options.values[0];
+    if (rate && options.max_rate && *rate > static_cast<float>(*options.max_rate))
+        throw CLI::ValidationError("--rate", "is larger than --max-rate");
+    if (options.cull && options.device.device == "cpu")
+        throw CLI::ValidationError("--cull", "needs a Vulkan device: --device cpu does not cull");
+}
+
+/// The table of the channel that is asked for. Where a channel has none, a warning says so.
+Result<std::optional<PatchTable>> build_texture(const Options& options, const LoadedModel& loaded,
+                                                Progress& progress) {
+    const bool automatic = options.uv == "auto";
+    if (options.uv == "none" || (automatic && loaded.mesh.channels.empty()))
+        return std::optional<PatchTable>();
+    const uint32_t channel = automatic ? 0 : *parse_number<uint32_t>(options.uv);
+    if (channel >= loaded.mesh.channels.size())
+        return Error{ErrorCode::index_out_of_range,
+                     loaded.mesh.channels.empty()
+                         ? std::string("not every corner of its faces has texture coordinates")
+                         : "there is no channel " + std::to_string(channel) + " of texture coordinates"};
+    Result<PatchTable> table = build_face_varying_patch_table<float>(loaded.mesh, channel, {});
+    if (table) return std::optional(std::move(*table));
+    if (table.error().code != ErrorCode::unsupported) return table.error();
+    progress.clear();
+    std::fprintf(stderr, "limn: %s: goes without texture coordinates: %s\n", printable(options.model).c_str(),
+                 table.error().message.c_str());
+    return std::optional<PatchTable>();
+}
+
+Result<TessellatedModel> build_model(const Options& options, const LoadedModel& loaded, Progress& progress) {
+    progress.show("building the patch table of " + plural(loaded.mesh.face_count(), "face"));
+    Result<PatchTable> patches = build_patch_table<float>(loaded.mesh, {});
+    if (!patches) return patches.error();
+    Result<std::optional<PatchTable>> texture = build_texture(options, loaded, progress);
+    if (!texture) return texture.error();
+    const uint32_t channels[] = {0};  // models have no others
+    TessellationTableOptions table_options;
+    if (*texture) table_options.channels = channels;
+    Result<TessellationTable> table = build_tessellation_table(loaded.mesh, table_options);
+    if (!table) return table.error();
+    return TessellatedModel{std::move(*patches), std::move(*table), loaded.model.positions,
+                            std::move(*texture), loaded.model.texture_coordinates};
+}
+
+Result<void> write_mesh(const std::string& path, const TriangleMesh& mesh) {
+    MeshOutput output;
+    output.positions = mesh.positions;
+    output.normals = mesh.normals;
+    output.texture_coordinates = mesh.texture_coordinates;
+    output.face_size = 3;
+    output.face_vertices = mesh.indices;
+    if (ends_with(path, ".glb")) return write_glb(path, output);
+    return ends_with(path, ".ply") ? write_ply(path, output) : write_obj(path, output);
+}
+
+/// Errors that are about the model name it.
+Result<TriangleMesh> make_mesh(const Options& options, const LoadedModel& loaded, const RunDevice& device,
+                               Progress& progress) {
+    const auto name_model = [&](const Error& error) {
+        Error named = error;
+        named.message = printable(options.model) + ": " + error.message;
+        return named;
+    };
+    const Result<TessellatedModel> model = build_model(options, loaded, progress);
+    if (!model) return name_model(model.error());
+    const Result<TessellationRunner> runner = TessellationRunner::create(device);
+    if (!runner) return runner.error();
+    progress.show("tessellating on " + runner->name());
+    Result<TriangleMesh> mesh =
+        runner->run(*model, {settings_of(options, loaded.model.positions), options.max_triangles});
+    if (!mesh) return name_model(mesh.error());
+    return mesh;
+}
+
+Result<void> tessellate_model(const Options& options, Progress& progress) {
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    const Result<RunDevice> device = RunDevice::create(options.device);
+    if (!device) return device.error();
+    const Result<TriangleMesh> mesh = make_mesh(options, *loaded, *device, progress);
+    if (!mesh) return mesh.error();
+    if (auto silent = device->check_validation(); !silent) return silent;
+    progress.show("writing " + options.output);
+    if (auto done = write_mesh(options.output, *mesh); !done) return done;
+    progress.clear();
+    std::printf("%s: %s, %zu vertices, by %s", printable(options.output).c_str(),
+                plural(mesh->triangle_count(), "triangle").c_str(), mesh->vertex_count(),
+                device->name().c_str());
+    if (options.max_triangles) std::printf(", rates scaled by %.4g", mesh->rate_scale);
+    std::printf("\n");
+    return {};
+}
+
+int run(const Options& options) {
+    Progress progress;
+    const Result<void> done = tessellate_model(options, progress);
+    progress.clear();
+    return done ? 0 : fail(done.error());
+}
+
+void add_rate_options(CLI::App& command, Options& options) {
+    CLI::Option_group* modes = command.add_option_group("Rates", "What decides how finely edges are divided");
+    modes->require_option(0, 1);
+    for (size_t i = 0; i < std::size(kModes); ++i) {
+        const ModeOption& mode = kModes[i];
+        modes->add_option(mode.name, options.values[i], mode.description)
+            ->check([&mode](const std::string& text) {
+                const auto value = parse_number<float>(text);
+                if (value && *value >= mode.low && *value <= mode.high) return std::string();
+                char message[96];
+                std::snprintf(message, sizeof message, "is a number from %g to %g, not '", mode.low,
+                              mode.high);
+                return message + text + "'";
+            });
+    }
+    command
+        .add_option(
+            "--spacing", options.spacing,
+            "integer; pow2: rates are powers of two; fractional: rates are real numbers, of 2 or more")
+        ->check(CLI::IsMember(std::vector<std::string>{"integer", "pow2", "fractional"}))
+        ->capture_default_str();
+    command
+        .add_option("--max-rate", options.max_rate,
+                    "The largest rate, 2 to 128; half of that on each side of the quads that other faces are "
+                    "split into (default 64, or what --rate takes)")
+        ->check(CLI::Range(2u, shared::kMaxSideRate));
+    command
+        .add_option("--max-triangles", options.max_triangles,
+                    "Scale all rates down by one number, the largest that makes no more triangles than this")
+        ->check(CLI::Range(1u, kInvalidIndex / 3));
+}
+
+void add_camera_options(CLI::App& command, Options& options) {
+    command
+        .add_option(
+            "--camera", options.camera,
+            "AZIMUTH,ELEVATION[,DISTANCE[,FOV]]: degrees around the middle of the control points; radii "
+            "of their box, by default so that all is in view; degrees from top to bottom")
+        ->check([](const std::string& text) {
+            const auto view = viewer::parse_camera(text);
+            return view ? std::string() : view.error().message;
+        })
+        ->capture_default_str();
+    command.add_option("--size", options.size, "Pixels that the camera has, WIDTHxHEIGHT")
+        ->check([](const std::string& text) {
+            return parse_size(text) ? std::string()
+                                    : "a size is WIDTHxHEIGHT, each at least one pixel, not '" + text + "'";
+        })
+        ->capture_default_str();
+    command
+        .add_option(
+            "--cull", options.cull,
+            "Leave out surfaces that the camera does not see: outside, backfaces, or outside,backfaces")
+        ->check([](const std::string& text) {
+            return parse_culling(text) ? std::string()
+                                       : "takes outside, backfaces or both, not '" + text + "'";
+        });
+}
+
+}  // namespace
+
+void add_tessellate(CLI::App& program, int& status) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command =
+        program.add_subcommand("tessellate", "Tessellate the limit surface and write it as OBJ, PLY or glTF");
+    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("-o,--output", options->output, "File to write: .obj, .ply (binary) or .glb")
+        ->required()
+        ->check([](const std::string& path) {
+            for (const char* ending : kEndings)
+                if (ends_with(path, ending)) return std::string();
+            return "'" + path + "' is none of .obj, .ply and .glb";
+        });
+    add_rate_options(*command, *options);
+    add_camera_options(*command, *options);
+    command
+        ->add_option("--uv", options->uv, "Texture coordinates: 0, the model's; none; auto: 0 if it has them")
+        ->check([](const std::string& text) {
+            const bool good = text == "none" || text == "auto" || parse_number<uint32_t>(text);
+            return good ? std::string() : "takes a channel's number, none or auto, not '" + text + "'";
+        })
+        ->capture_default_str();
+    add_surface_options(*command, options->surface);
+    add_device_option(*command, options->device);
+    command->footer(
+        "A rate belongs to an edge and both faces beside it, so triangles meet without gaps. Vertices are\n"
+        "shared, but for those on creases, which have a normal for each side, and those on seams of texture\n"
+        "coordinates: copies have positions of the same bits.\n"
+        "Pixels are those of --camera and --size.");
+    command->callback([options, &status] {
+        check_usage(*options);
+        status = run(*options);
+    });
+}
+
+}  // namespace limn::cli
