@@ -81,7 +81,7 @@ std::string find_fault(const Face& face) {
         const double a = face.area(t);
         if (!(a > 0)) return "a triangle is degenerate or inverted";
         area += a;
-        for (int c = 0; c < 3; ++c) {
+        for (size_t c = 0; c < 3; ++c) {
             const uint32_t from = face.number(t[c]), to = face.number(t[(c + 1) % 3]);
             if (from >= count || to >= count) return "a vertex is out of range";
             ++used[from];

@@ -393,8 +393,8 @@ TEST_F(TessellatorTest, CullingLeavesOutWhatIsNotSeen) {
                     if (drawn.count(whole.triangle_faces[i]) != 0) continue;
                     const auto p = corners_of(whole, i);
                     double clip[3][4];
-                    for (int c = 0; c < 3; ++c)
-                        for (int k = 0; k < 4; ++k)
+                    for (size_t c = 0; c < 3; ++c)
+                        for (size_t k = 0; k < 4; ++k)
                             clip[c][k] = camera.matrix[k] * p[3 * c] + camera.matrix[4 + k] * p[3 * c + 1] +
                                          camera.matrix[8 + k] * p[3 * c + 2] + camera.matrix[12 + k];
                     if (outside) {
@@ -409,7 +409,7 @@ TEST_F(TessellatorTest, CullingLeavesOutWhatIsNotSeen) {
                     } else {
                         // On screen, y down, what faces the camera runs clockwise.
                         double x[3], y[3];
-                        for (int c = 0; c < 3; ++c) x[c] = clip[c][0] / clip[c][3], y[c] = clip[c][1] / clip[c][3];
+                        for (size_t c = 0; c < 3; ++c) x[c] = clip[c][0] / clip[c][3], y[c] = clip[c][1] / clip[c][3];
                         const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
                         ASSERT_GT(area, -1e-9) << "triangle " << i;
                     }
@@ -465,9 +465,9 @@ TEST_F(TessellatorTest, SegmentsAreAsLongOnScreenAsAsked) {
     for (size_t i = 0; i < t.triangle_faces.size(); ++i) {
         const auto p = corners_of(t, i);
         double x[3], y[3];
-        for (int c = 0; c < 3; ++c) {
+        for (size_t c = 0; c < 3; ++c) {
             double clip[4];
-            for (int k = 0; k < 4; ++k)
+            for (size_t k = 0; k < 4; ++k)
                 clip[k] = camera.matrix[k] * p[3 * c] + camera.matrix[4 + k] * p[3 * c + 1] +
                           camera.matrix[8 + k] * p[3 * c + 2] + camera.matrix[12 + k];
             x[c] = clip[0] / clip[3] * camera.width / 2;
