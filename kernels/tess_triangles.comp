@@ -1,5 +1,6 @@
 // Triangles of a tessellation: three indices each, and the face that each belongs to.
-// kLanes invocations per ptex face, which take turns.
+// kLanes invocations per ptex face, which take turns. Each reads the face's sides for itself: sharing them behind a barrier
+// made llvmpipe slower (rate 4: from 1.1 to 1.3 of the time of the vertices).
 // Reads: tables, rates, offsets. Writes: each triangle once; of them those within the slice that is bound. Deterministic.
 // kOutput: 1: faces of triangles, too. Payload: 0: base of indices, 2: of faces; 4, 5: triangles of the slice, first and end
 #version 450
