@@ -1,5 +1,6 @@
 // Tessellation of the limit surface, from control points to vertices with normals, triangles and the draw command, in one
-// command buffer: how long each pass takes, at uniform rates and at an error.
+// command buffer: how long each pass takes, at uniform rates and at an error. The peer, at uniform rates, is OpenSubdiv's
+// Bfr on all cores of the host, whose faces share no vertices.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "limn/vulkan/tessellator.h"
 #include "machines.h"
 #include "models.h"
+#include "osd_bfr.h"
 #include "timestamps.h"
 
 namespace limn::bench {
@@ -150,8 +152,19 @@ void bench_settings(const Setup& s, const std::string& name, const RateSettings&
         std::snprintf(text, sizeof text, ", %s %.2f ms", kPasses[p], timing_of(passes[p]).median);
         note += text;
     }
+    std::optional<Timing> peer;
+    if (settings.mode == RateMode::uniform) {
+        if (const auto bfr = BfrTessellation::create(OsdMesh(s.model.mesh), static_cast<uint32_t>(settings.value))) {
+            peer = measure(s.options, [&] {
+                bfr->run(s.model.positions);
+                return true;
+            });
+            note += ", Bfr " + std::to_string(bfr->indices.size() / 3) + " triangles";
+        }
+    }
     Row row{.name = label,
             .limn = timing,
+            .peer = peer,
             .items = triangles,
             .bytes = 24.0 * expected.vertex_count() + 12 * triangles + 12.0 * s.patches.point_count(),
             .copy_rate = s.machines.copy.device,
