@@ -1,12 +1,13 @@
 // Hardware tessellation: how finely each ptex face is divided.
-// One invocation per ptex face, gl_PrimitiveID.
-// Reads: tables, rates, which faces are drawn. Writes: levels, all 0 where nothing is drawn; and what the evaluation stage
-// has to know of sides and corners.
+// One invocation per ptex face.
+// Reads: tables, rates, which faces are drawn. Writes: levels, all 0 where nothing is drawn; and what the evaluation
+// stage has to know of sides and corners.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_hardware.glsl"
 
 layout(vertices = 1) out;
+layout(location = 0) in uint faces[];
 PATCH_LAYOUT(out)
 
 bool is_drawn(uint face) {
@@ -48,12 +49,13 @@ void set_levels(TessPattern p) {
 }
 
 void main() {
-    const uint face = uint(gl_PrimitiveID);
+    const uint face = faces[0];
     if (!is_drawn(face)) {
         for (uint k = 0; k < 4; ++k) gl_TessLevelOuter[k] = 0;
         for (uint k = 0; k < 2; ++k) gl_TessLevelInner[k] = 0;
         return;
     }
+    patch_face = face;
     uvec4 rates = uvec4(0), words = uvec4(0);
     for (uint k = 0; k < kSides; ++k) {
         const uint side = face_word(face, k), row = side_row(side), corner = face_word(face, 4 + k);

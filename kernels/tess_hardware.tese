@@ -1,7 +1,7 @@
-// Hardware tessellation: the surface at a vertex.
-// The tessellator's coordinates only tell which vertex it is: of the inside, or point i of a side. Where that lies is what
-// the compute kernels say (tess_pattern.h), to the bit, so that faces that share a side, halves of one among them, evaluate
-// the same place of the same ptex face. Spacing is limn's own: to the tessellator all of them are equal.
+// Hardware tessellation: the surface at a vertex. The tessellator's coordinates only tell which vertex it is: of the
+// inside, or point i of a side. Where that lies is what the compute kernels say (tess_pattern.h), to the bit, so that
+// faces that share a side, halves of one among them, evaluate the same place of the same ptex face. Spacing is limn's
+// own: to the tessellator all of them are equal.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_hardware.glsl"
@@ -122,8 +122,9 @@ Vertex inner_vertex(uint face, TessPattern p) {
     return vertex;
 }
 
-// One piece of code, whoever asks: what compilers make of two might differ in the last bit. After the position comes the
-// normal where that lies elsewhere, and once more, further inside, where tangents span no plane (collapsed edges, cusps).
+// One piece of code, whoever asks: what compilers make of two might differ in the last bit. After the position comes
+// the normal where that lies elsewhere, and once more, further inside, where tangents span no plane (collapsed edges,
+// cusps).
 void evaluate(Vertex vertex) {
     const bool copied = vertex.own != vertex.source;
     const float middle = kTriangles != 0 ? 1.0 / 3.0 : 0.5;
@@ -151,7 +152,7 @@ void main() {
                                      uvec4(patch_sides[0].y, patch_sides[1].y, patch_sides[2].y, patch_sides[3].y));
     float along;
     const uint side = find_side(along);
-    ptex_face = uint(gl_PrimitiveID);
+    ptex_face = patch_face;
     Vertex vertex;
     if (side == kInside)
         vertex = inner_vertex(ptex_face, p);

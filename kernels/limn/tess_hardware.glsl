@@ -1,5 +1,5 @@
-// What the stages of hardware tessellation bind, and how they read it: through uniform texel buffers with LIMN_TEXEL, for
-// CPU devices (evaluator.cpp tells why). LIMN_TRIANGLES: ptex faces are triangles, of Loop.
+// What the stages of hardware tessellation bind, and how they read it: through uniform texel buffers with LIMN_TEXEL,
+// for CPU devices (evaluator.cpp tells why). LIMN_TRIANGLES: ptex faces are triangles, of Loop.
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "limn/shared/patch_basis.h"
@@ -40,13 +40,14 @@ layout(std430, set = 0, binding = kHardwareStateBinding) readonly buffer State {
 uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }
 uint row_word(uint row, uint i) { return WORD(params.table.rows + kTessRowWords * row + i); }
 
-// What the control stage tells the evaluation stage of each side: the side, its row's rate, the row and the middle corner
-// that it has its positions from; and of corners, their own and those that they have their positions from.
+// What the control stage tells the evaluation stage of each side: the side, its row's rate, the row and the middle
+// corner that it has its positions from; and of corners, their own and those that they have their positions from.
 #define PATCH_LAYOUT(direction)                                  \
     layout(location = 0) patch direction uvec4 patch_sides[4];   \
     layout(location = 4) patch direction uvec4 patch_corners;    \
     layout(location = 5) patch direction uvec4 corner_positions; \
-    layout(location = 6) patch direction uvec4 patch_middles;
+    layout(location = 6) patch direction uvec4 patch_middles;    \
+    layout(location = 7) patch direction uint patch_face;
 
 TessPattern pattern_of(uint side0, uint side1, uint side2, uint side3, uvec4 rates) {
     const uint halves = ((side0 & kSideHalves) != 0 ? 1 : 0) | ((side1 & kSideHalves) != 0 ? 2 : 0) |

@@ -15,10 +15,13 @@
 
 namespace limn::vk {
 
+// llvmpipe numbers the vertices of a draw with 16 bits (Mesa 22.3): beyond, faces get those of others.
+constexpr uint32_t kFacesPerDrawOnCpu = 65536 / ((shared::kHardwareMaxRate + 1) * (shared::kHardwareMaxRate + 1));
+
 struct HardwareTessellation::State {
     Recording sets;
     VkDescriptorSet set = VK_NULL_HANDLE;
-    uint32_t face_count = 0;
+    uint32_t face_count = 0, faces_per_draw = 0;
     shared::TessHardwareParams params = {};
 };
 
@@ -49,7 +52,8 @@ void HardwareTessellation::record_draw(VkCommandBuffer command_buffer, VkPipelin
     std::copy(clip_from_points.begin(), clip_from_points.end(), params.clip_from_points);
     functions.CmdBindDescriptorSets(command_buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &s.set, 0, nullptr);
     functions.CmdPushConstants(command_buffer, layout, kHardwarePushConstants.stageFlags, 0, sizeof params, &params);
-    functions.CmdDraw(command_buffer, s.face_count, 1, 0, 0);
+    for (uint32_t first = 0; first < s.face_count; first += s.faces_per_draw)
+        functions.CmdDraw(command_buffer, std::min(s.faces_per_draw, s.face_count - first), 1, first, 0);
 }
 
 HardwareTessellator::HardwareTessellator() : state_(std::make_unique<State>()) {}
@@ -59,8 +63,9 @@ HardwareTessellator::~HardwareTessellator() = default;
 
 Result<HardwareTessellator> HardwareTessellator::create(const HardwareTessellatorInfo& info) {
     if (!info.tessellation_shader_enabled)
-        return Error{ErrorCode::unsupported, std::string("hardware tessellation takes the feature tessellationShader, ") +
-                                                 "which is not enabled on " + info.device->name()};
+        return Error{ErrorCode::unsupported,
+                     std::string("hardware tessellation takes the feature tessellationShader, which is not enabled on ") +
+                         info.device->name()};
     HardwareTessellator tessellator;
     State& state = *tessellator.state_;
     state.device = info.device;
@@ -102,6 +107,7 @@ Result<HardwareTessellation> HardwareTessellator::prepare(const Tessellation& te
     HardwareTessellation::State& state = *out.state_;
     state.sets.device = state_->device;
     state.face_count = table.face_count;
+    state.faces_per_draw = state_->texel ? kFacesPerDrawOnCpu : table.face_count;
     state.params.tree = table.vertices.offsets;
     state.params.table = table.offsets;
     state.params.rate_edge_count = table.rate_edge_count;

@@ -1,26 +1,27 @@
-// Tessellation by the graphics pipeline: instead of vertices and indices in memory, stages that evaluate the surface while
-// it is drawn, at the rates that a Tessellation has computed. For devices with the feature tessellationShader.
+// Tessellation by the graphics pipeline: instead of vertices and indices in memory, stages that evaluate the surface
+// while it is drawn, at the rates that a Tessellation has computed. For devices with the feature tessellationShader.
 //
 // Into the caller's own pipeline go three stages of limn's. With them go: dynamic or other state as he likes, topology
-// PATCH_LIST, patchControlPoints 1, no vertex input, the default tessellation domain origin (upper left); a pipeline layout
-// whose descriptor set 0 is set_layout(), with kHardwarePushConstants. Sets from 1 on, and push constants behind limn's, are
-// the caller's. To his fragment stage go
+// PATCH_LIST, patchControlPoints 1, no vertex input, the default tessellation domain origin (upper left); a pipeline
+// layout whose descriptor set 0 is set_layout(), with kHardwarePushConstants. Sets from 1 on, and push constants behind
+// limn's, are the caller's. To his fragment stage go
 //     layout(location = 0) in vec3 position;        as control points are
 //     layout(location = 1) in vec3 normal;          unit, as TessellationInfo::normals
 //     layout(location = 2) in vec2 place;           (u, v) of the ptex face
 //     layout(location = 3) flat in uint ptex_face;
 // and front faces are those that vertices of a Tessellation would have: counter-clockwise seen from outside.
 //
-// A frame: record_points and record_rates of the Tessellation, a barrier from kKernelWrites to kHardwareReads, record_draw.
+// A frame: record_points and record_rates of the Tessellation, a barrier from kKernelWrites to kHardwareReads,
+// record_draw.
 //
-// Vertices lie where the compute kernels put them, whatever spacing. Faces that meet evaluate the same expression at the
-// same place of the same ptex face with the same instructions: seams, creases and faces that are split on one side only
-// included. Not promised, unlike with an index buffer:
-// - that the surface is closed: it is, where the device's arithmetic gives the same bits for the same instructions, and its
-//   tessellator places vertices in order. Every vertex on a side is evaluated by each of the faces beside it.
+// Vertices lie where the compute kernels put them, whatever spacing. Faces that meet evaluate the same expression at
+// the same place of the same ptex face with the same instructions: seams, creases and faces that are split on one side
+// only included. Not promised, unlike with an index buffer:
+// - that the surface is closed: it is, where the device's arithmetic gives the same bits for the same instructions, and
+//   its tessellator places vertices in order. Every vertex on a side is evaluated by each of the faces beside it;
 // - how faces are triangulated, above all between sides of different rates; with fractional spacing diagonals there may
-//   change from frame to frame, though no vertex jumps.
-// - more than 64 segments of an edge: higher rates are drawn as 64 (32 where the edge has two halves), on both sides of it.
+//   change from frame to frame, though no vertex jumps;
+// - more than 64 segments of an edge: higher rates are drawn as 64, on both sides of it.
 // Displacement, tangents and channels are for compute kernels only.
 #pragma once
 
