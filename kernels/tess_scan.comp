@@ -2,7 +2,7 @@
 // One workgroup; an invocation per run of blocks.
 // Reads: sums of blocks, capacities. Writes: where blocks begin, the result, VkDrawIndexedIndirectCommand. Deterministic.
 // Payload: 1, 2: capacities of vertices and triangles; 4: the command, 5: the caller's result, in words of their buffers,
-// or kNoFace.
+// or kNoFace. kMode: kTessRatesOnly: the result alone.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_bindings.glsl"
@@ -27,11 +27,13 @@ void finish(uvec2 total) {
     state[kTessResultVertices] = total.x;
     state[kTessResultTriangles] = total.y;
     const uint at = floatBitsToUint(params.payload[4]), copy = floatBitsToUint(params.payload[5]);
-    command[at] = 3 * total.y;
-    command[at + 1] = 1;
-    command[at + 2] = 0;
-    command[at + 3] = 0;
-    command[at + 4] = 0;
+    if (at != kNoFace) {
+        command[at] = 3 * total.y;
+        command[at + 1] = 1;
+        command[at + 2] = 0;
+        command[at + 3] = 0;
+        command[at + 4] = 0;
+    }
     if (copy != kNoFace) {
         result[copy] = status;
         result[copy + 1] = total.x;
@@ -41,6 +43,10 @@ void finish(uvec2 total) {
 }
 
 void main() {
+    if (kMode == kTessRatesOnly) {
+        if (global_invocation() == 0) finish(uvec2(0));
+        return;
+    }
     const uint lane = gl_LocalInvocationID.x, blocks = tess_block_count(params.row_count, params.face_count);
     const uint each = (blocks + kTessWorkgroupSize - 1) / kTessWorkgroupSize;
     const uint first = min(lane * each, blocks), end = min(first + each, blocks);

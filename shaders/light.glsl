@@ -1,8 +1,8 @@
 // A studio: a key light with soft shadows, a rim light, and a sky of many directions, each with a shadow map of
 // its own; where those are left out, a sky without shadows.
-layout(set = 0, binding = kBindShadow) uniform sampler2DShadow shadow_map;
-layout(set = 0, binding = kBindShadowDepth) uniform sampler2D shadow_depth;
-layout(set = 0, binding = kBindSky) uniform sampler2DShadow sky_map;
+layout(set = SCENE_SET, binding = kBindShadow) uniform sampler2DShadow shadow_map;
+layout(set = SCENE_SET, binding = kBindShadowDepth) uniform sampler2D shadow_depth;
+layout(set = SCENE_SET, binding = kBindSky) uniform sampler2DShadow sky_map;
 
 const float kPi = 3.14159265;
 const float kKeyLight = 2.1;

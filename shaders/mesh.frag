@@ -1,5 +1,6 @@
 #version 450
-// The surface: clay in a studio, or colours of what is known about it.
+// The surface: clay in a studio, or colours of what is known about it. LIMN_HARDWARE: from limn's stages of hardware
+// tessellation, which know faces, but neither triangles nor leaves.
 #extension GL_GOOGLE_include_directive : require
 #include "scene.glsl"
 #include "color.glsl"
@@ -7,8 +8,29 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 vertex_normal;
+#ifdef LIMN_HARDWARE
+layout(location = 2) in vec2 place;  // not read
+layout(location = 3) flat in uint ptex_face;
+layout(std430, set = SCENE_SET, binding = kBindFaceRates) readonly buffer FaceRates {
+    uint face_rates[];
+};
+const vec3 edge = vec3(1);
+uint face_rate() {
+    return (frame.options.y & kFlagFaceRates) != 0u ? face_rates[ptex_face] : 0u;
+}
+uint leaf_word() {
+    return 0u;
+}
+#else
 layout(location = 2) in vec3 edge;
 layout(location = 3) flat in uvec2 leaf;
+uint face_rate() {
+    return leaf.y;
+}
+uint leaf_word() {
+    return leaf.x;
+}
+#endif
 layout(location = 0) out vec4 color;
 
 // The mean curvature, from how position and normal change from pixel to pixel: half the trace of the shape
@@ -23,14 +45,15 @@ float mean_curvature(vec3 n) {
 
 vec3 surface_albedo(vec3 n) {
     const uint mode = frame.options.x;
-    if (mode == kColorKind) return category(leaf.x & 255u);
-    if (mode == kColorLevel) return viridis(float(leaf.x >> 8) / 8.0);
+    if (mode == kColorKind) return category(leaf_word() & 255u);
+    if (mode == kColorLevel) return viridis(float(leaf_word() >> 8) / 8.0);
     if (mode == kColorCurvature) {
         const float h = mean_curvature(n);
         return blue_white_red(0.22 * sign(h) * log2(1.0 + abs(h)));
     }
     if (mode == kColorRate) {
-        const float rate = 0.5 * float((leaf.y & 0xffffu) + (leaf.y >> 16));
+        const uint both = face_rate();
+        const float rate = 0.5 * float((both & 0xffffu) + (both >> 16));
         return viridis(log2(max(rate, 1.0)) / float(max(frame.options.w, 1u)));
     }
     if (mode == kColorNormals) return linear_from_srgb(0.5 + 0.5 * n);

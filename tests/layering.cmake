@@ -33,7 +33,7 @@ foreach(source IN LISTS flow)
     list(APPEND above ${name})
 endforeach()
 
-file(GLOB kernel_sources kernels/*.comp kernels/limn/*.glsl)
+file(GLOB kernel_sources kernels/*.comp kernels/*.vert kernels/*.tes[ce] kernels/limn/*.glsl)
 foreach(source IN LISTS kernel_sources)
     read_includes(${source} included)
     foreach(name IN LISTS included)

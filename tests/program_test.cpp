@@ -353,7 +353,7 @@ TEST_F(Program, draws_pictures) {
     EXPECT_EQ(read("again.png"), read("plain.png"));
     // Modes and overlays one by one are what limn_viewer_test is for.
     for (const char* more : {"--wireframe --control-mesh", "--color level --camera 200,-10,3,60",
-                             "--background '#ff8800' --no-ground --scheme bilinear"}) {
+                             "--background '#ff8800' --no-ground --scheme bilinear", "--hardware-tessellation"}) {
         const Outcome other = run(common + "other.png " + more);
         EXPECT_EQ(other.status, 0) << more << ": " << other.errors;
         EXPECT_EQ(png_size(read("other.png")), "96x64") << more;
@@ -376,6 +376,8 @@ TEST_F(Program, refuses_bad_pictures) {
     expect_failure("render cube.obj -o result.png --rate 65", 2, "rate");
     expect_failure("render cube.obj -o result.png --pixel-error 0", 2, "pixel-error");
     expect_failure("render cube.obj -o result.png --rate 4 --chord-error 0.1", 2, "rate");
+    expect_failure("render cube.obj -o result.png --hardware-tessellation --wireframe", 2, "wireframe");
+    expect_failure("render cube.obj -o result.png --hardware-tessellation --color level", 2, "level");
     expect_failure("render cube.obj", 2, "output");
     expect_failure("render missing.obj -o result.png", 1, "missing.obj: ");
     expect_failure("render cube.obj -o nowhere/result.png --size 16x16 --rate 1", 1, "nowhere/result.png: ");

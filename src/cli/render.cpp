@@ -22,6 +22,7 @@ struct Options {
     SurfaceOptions surface;
     DeviceOption device;
     bool times = false;
+    bool hardware = false;  ///< hardware tessellation
 };
 
 /// What is drawn, and from where.
@@ -44,9 +45,10 @@ viewer::Bounds bounds_of(std::span<const float> positions) {
 
 /// Makes the triangles that the options ask for: first for a camera that sees the control mesh, then, with
 /// the surface measured, for the one that the picture is taken with.
-Result<Scene> build_scene(const Options& options, const vk::Device& device, VkExtent2D extent,
+Result<Scene> build_scene(const Options& options, const viewer::GraphicsDevice& graphics, VkExtent2D extent,
                           const LoadedModel& loaded) {
-    auto kernels = viewer::SurfaceKernels::create(device);
+    const vk::Device& device = graphics.device();
+    auto kernels = viewer::SurfaceKernels::create(device, options.hardware && graphics.has_tessellation_shader());
     if (!kernels) return kernels.error();
     auto shared_kernels = std::make_unique<viewer::SurfaceKernels>(std::move(*kernels));
     const viewer::CameraView camera = camera_view(options.look);
@@ -63,16 +65,35 @@ Result<Scene> build_scene(const Options& options, const vk::Device& device, VkEx
     if (!bounds) return bounds.error();
     const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds, settings};
     rates.camera = viewer::rate_camera(view.camera, extent);
+    if (options.hardware)
+        if (auto prepared = surface->prepare({.mode = rates.mode, .hardware = true}); !prepared)
+            return prepared.error();
     const auto triangles = surface->tessellate(rates);
     if (!triangles) return triangles.error();
     return Scene{std::move(shared_kernels), std::move(*surface), view, *triangles};
 }
 
-Result<viewer::Picture> draw(const Options& options, const vk::Device& device, viewer::Renderer& renderer,
-                             const LoadedModel& loaded, Progress& progress) {
+void print_times(const Scene& scene, viewer::PassTimer& timer) {
+    if (scene.surface.options().hardware)
+        std::printf("%s by hardware tessellation", plural(scene.surface.face_count(), "ptex face").c_str());
+    else
+        std::printf("%s, %s", plural(scene.triangles.triangle_count, "triangle").c_str(),
+                    scene.triangles.vertex_count == 1
+                        ? "1 vertex"
+                        : (std::to_string(scene.triangles.vertex_count) + " vertices").c_str());
+    std::printf("\n");
+    for (const auto& pass : timer.read()) std::printf("%-12s %8.2f ms\n", pass.name, pass.milliseconds);
+}
+
+Result<viewer::Picture> draw(const Options& options, const viewer::GraphicsDevice& graphics,
+                             viewer::Renderer& renderer, const LoadedModel& loaded, Progress& progress) {
+    const vk::Device& device = graphics.device();
     progress.show("tessellating " + plural(loaded.mesh.face_count(), "face"));
-    auto scene = build_scene(options, device, renderer.extent(), loaded);
+    auto scene = build_scene(options, graphics, renderer.extent(), loaded);
     if (!scene) return scene.error();
+    if (options.hardware)
+        if (auto prepared = renderer.prepare_hardware(*scene->kernels->hardware, scene->surface.scheme()); !prepared)
+            return prepared.error();
     if (scene->triangles.status != vk::TessellationStatus::complete) {
         progress.clear();
         std::fprintf(stderr, "limn: note: %s holds at most %s at once: rates are scaled by %.3g\n",
@@ -89,17 +110,20 @@ Result<viewer::Picture> draw(const Options& options, const vk::Device& device, v
     renderer.record_finish(*commands);
     renderer.record_readback(*commands);
     if (auto done = commands->submit_and_wait(); !done) return done.error();
-    if (options.times) {
-        std::printf("%s, %s\n", plural(scene->triangles.triangle_count, "triangle").c_str(),
-                    scene->triangles.vertex_count == 1
-                        ? "1 vertex"
-                        : (std::to_string(scene->triangles.vertex_count) + " vertices").c_str());
-        for (const auto& pass : timer.read()) std::printf("%-12s %8.2f ms\n", pass.name, pass.milliseconds);
-    }
+    if (options.times) print_times(*scene, timer);
     return renderer.read_picture();
 }
 
+/// What there is to see of triangles and patches is not known to the stages.
+bool is_drawn_by_hardware(const LookOptions& look) {
+    return !look.wireframe && look.color != "kind" && look.color != "level";
+}
+
 int run(const Options& options) {
+    if (options.hardware && !is_drawn_by_hardware(options.look)) {
+        std::fprintf(stderr, "limn: --hardware-tessellation draws no wireframe and no colours by kind or level\n");
+        return kBadUsage;
+    }
     Progress progress;
     progress.show("reading " + options.model);
     const Result<LoadedModel> loaded = load_model(options.model, options.surface);
@@ -117,7 +141,7 @@ int run(const Options& options) {
             fail(sized.error());
             return sized.error().code == ErrorCode::unsupported ? kBadUsage : kBadInput;
         }
-        picture = draw(options, graphics->device(), *renderer, *loaded, progress);
+        picture = draw(options, *graphics, *renderer, *loaded, progress);
     }
     if (!picture) return fail(picture.error());
     if (auto silent = graphics->check_validation(); !silent) return fail(silent.error());
@@ -138,6 +162,8 @@ void add_render(CLI::App& program, int& status) {
     command->add_option("-o,--output", options->output, "PNG file to write")->required();
     add_size_option(*command, options->size);
     command->add_flag("--times", options->times, "Print what each pass takes on the device");
+    command->add_flag("--hardware-tessellation", options->hardware,
+                      "Draw with the device's tessellation stages: nothing is kept of vertices and triangles");
     add_look_options(*command, options->look);
     add_surface_options(*command, options->surface);
     add_graphics_device_option(*command, options->device);

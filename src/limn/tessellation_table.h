@@ -30,7 +30,7 @@ struct TessellationTable {
     Array<uint32_t> rows;         ///< kTessRowWords each
     Array<uint32_t> corners;      ///< kTessCornerWords each
     Array<uint32_t> rate_edges;   ///< kRateEdgeWords each
-    Array<uint32_t> corner_copies;  ///< pairs: a corner, and the one whose position it has
+    Array<uint32_t> corner_copies;  ///< pairs: a corner, and the one whose position it has; ascending
     Array<uint32_t> row_copies;     ///< pairs of rows, likewise
 
     uint32_t corner_copy_count() const { return static_cast<uint32_t>(corner_copies.size() / 2); }

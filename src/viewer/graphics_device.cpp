@@ -102,6 +102,7 @@ bool has_extension(VkPhysicalDevice device, const char* name) {
 struct Candidate {
     VkPhysicalDevice handle = VK_NULL_HANDLE;
     VkPhysicalDeviceProperties properties = {};
+    bool has_tessellation_shader = false;
     std::optional<uint32_t> queue_family;  ///< none: not usable
 };
 
@@ -109,6 +110,9 @@ Candidate inspect(const GraphicsDeviceOptions& options, VkInstance instance, VkP
     Candidate candidate;
     candidate.handle = handle;
     vkGetPhysicalDeviceProperties(handle, &candidate.properties);
+    VkPhysicalDeviceFeatures features;
+    vkGetPhysicalDeviceFeatures(handle, &features);
+    candidate.has_tessellation_shader = features.tessellationShader != VK_FALSE;
     if (candidate.properties.apiVersion < VK_API_VERSION_1_2) return candidate;
     if (options.can_present != nullptr && !has_extension(handle, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
         return candidate;
@@ -173,10 +177,13 @@ Result<VkDevice> create_device(const Candidate& candidate, bool swapchain) {
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
     const char* const extension = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    VkPhysicalDeviceFeatures features = {};
+    features.tessellationShader = candidate.has_tessellation_shader;
     VkDeviceCreateInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
+    info.pEnabledFeatures = &features;
     info.enabledExtensionCount = swapchain ? 1 : 0;
     info.ppEnabledExtensionNames = &extension;
     VkDevice device = VK_NULL_HANDLE;
@@ -231,6 +238,7 @@ Result<GraphicsDevice> GraphicsDevice::create(const GraphicsDeviceOptions& optio
     const auto device = create_device(*chosen, options.can_present != nullptr);
     if (!device) return device.error();
     owned.device = *device;
+    out.has_tessellation_shader_ = chosen->has_tessellation_shader;
     vk::BorrowedHandles handles;
     handles.instance = owned.instance;
     handles.physical_device = chosen->handle;

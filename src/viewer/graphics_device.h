@@ -30,6 +30,8 @@ class GraphicsDevice {
 
     /// With a queue that draws, computes and copies.
     const vk::Device& device() const { return context_->device(); }
+    /// The feature tessellationShader is there, and enabled.
+    bool has_tessellation_shader() const { return has_tessellation_shader_; }
 
     /// Validation errors and warnings so far. 0 and "" without validation.
     uint32_t validation_message_count() const;
@@ -42,6 +44,7 @@ class GraphicsDevice {
     GraphicsDevice();
     std::unique_ptr<Owned> owned_;
     std::optional<vk::Context> context_;  ///< borrows from owned_
+    bool has_tessellation_shader_ = false;
 };
 
 }  // namespace limn::viewer

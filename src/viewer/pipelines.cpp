@@ -10,6 +10,7 @@
 #include "limn_shaders/lines_frag.h"
 #include "limn_shaders/lines_vert.h"
 #include "limn_shaders/mesh_frag.h"
+#include "limn_shaders/mesh_hardware_frag.h"
 #include "limn_shaders/mesh_pulled_vert.h"
 #include "limn_shaders/mesh_vert.h"
 #include "viewer/frame.h"
@@ -25,7 +26,7 @@ Result<UniqueSetLayout> create_set_layout(VkDevice device) {
         bindings[i].descriptorType = i == shared::kBindFrame    ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
                                      : i >= shared::kBindShadow ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
                                                                 : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        bindings[i].stageFlags = i == shared::kBindFrame
+        bindings[i].stageFlags = i == shared::kBindFrame || i == shared::kBindFaceRates
                                      ? VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT
                                  : i >= shared::kBindShadow ? VK_SHADER_STAGE_FRAGMENT_BIT
                                                             : VK_SHADER_STAGE_VERTEX_BIT;
@@ -38,13 +39,12 @@ Result<UniqueSetLayout> create_set_layout(VkDevice device) {
                                           "vkCreateDescriptorSetLayout");
 }
 
-Result<UniquePipelineLayout> create_layout(VkDevice device, VkDescriptorSetLayout set_layout) {
-    const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
-                                       sizeof(shared::PushParams)};
+Result<UniquePipelineLayout> create_layout(VkDevice device, std::initializer_list<VkDescriptorSetLayout> set_layouts,
+                                           const VkPushConstantRange& range) {
     VkPipelineLayoutCreateInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-    info.setLayoutCount = 1;
-    info.pSetLayouts = &set_layout;
+    info.setLayoutCount = static_cast<uint32_t>(set_layouts.size());
+    info.pSetLayouts = set_layouts.begin();
     info.pushConstantRangeCount = 1;
     info.pPushConstantRanges = &range;
     return create_unique<UniquePipelineLayout>(device, vkCreatePipelineLayout, info,
@@ -145,33 +145,39 @@ struct PipelineLook {
     VkCompareOp depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL;
     bool blend = false;
     float slope_bias = 0;
+    std::span<const uint32_t> control = {}, evaluation = {};  ///< of tessellation; both or none
 };
 
 Result<UniquePipeline> create_pipeline(const vk::Device& device, VkPipelineLayout layout,
                                        const PipelineLook& look) {
-    const bool colors = !look.fragment.empty();
-    const auto vertex = create_shader(device.handle, look.vertex);
-    if (!vertex) return vertex.error();
-    UniqueShader fragment;
-    if (colors) {
-        auto created = create_shader(device.handle, look.fragment);
+    const bool colors = !look.fragment.empty(), tessellates = !look.control.empty();
+    UniqueShader shaders[4];
+    VkPipelineShaderStageCreateInfo stages[4] = {};
+    uint32_t stage_count = 0;
+    for (const auto& [stage, code] : {std::pair{VK_SHADER_STAGE_VERTEX_BIT, look.vertex},
+                                      std::pair{VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT, look.control},
+                                      std::pair{VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT, look.evaluation},
+                                      std::pair{VK_SHADER_STAGE_FRAGMENT_BIT, look.fragment}}) {
+        if (code.empty()) continue;
+        auto created = create_shader(device.handle, code);
         if (!created) return created.error();
-        fragment = std::move(*created);
-    }
-    VkPipelineShaderStageCreateInfo stages[2] = {};
-    for (VkPipelineShaderStageCreateInfo& stage : stages) {
-        const bool first = &stage == stages;
-        stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-        stage.stage = first ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT;
-        stage.module = first ? *vertex : fragment;
-        stage.pName = "main";
+        shaders[stage_count] = std::move(*created);
+        VkPipelineShaderStageCreateInfo& info = stages[stage_count];
+        info.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+        info.stage = stage;
+        info.module = shaders[stage_count++];
+        info.pName = "main";
     }
     VkPipelineVertexInputStateCreateInfo input = {};
     input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
     VkPipelineInputAssemblyStateCreateInfo assembly = {};
     assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
-    assembly.topology =
-        look.strip ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    assembly.topology = tessellates  ? VK_PRIMITIVE_TOPOLOGY_PATCH_LIST
+                        : look.strip ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP
+                                     : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPipelineTessellationStateCreateInfo tessellation = {};
+    tessellation.sType = VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO;
+    tessellation.patchControlPoints = 1;
     VkPipelineViewportStateCreateInfo viewport = {};
     viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
     viewport.viewportCount = viewport.scissorCount = 1;
@@ -208,10 +214,11 @@ Result<UniquePipeline> create_pipeline(const vk::Device& device, VkPipelineLayou
 
     VkGraphicsPipelineCreateInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
-    info.stageCount = colors ? 2 : 1;
+    info.stageCount = stage_count;
     info.pStages = stages;
     info.pVertexInputState = &input;
     info.pInputAssemblyState = &assembly;
+    info.pTessellationState = tessellates ? &tessellation : nullptr;
     info.pViewportState = &viewport;
     info.pRasterizationState = &raster;
     info.pMultisampleState = &multisample;
@@ -246,7 +253,9 @@ Result<Pipelines> create_pipelines(const vk::Device& device) {
     keep(out.shadow_pass, create_depth_pass(device.handle, kDepthFormat), status);
     keep(out.sky_pass, create_depth_pass(device.handle, kSkyFormat), status);
     if (!status) return status.error();
-    keep(out.layout, create_layout(device.handle, out.set_layout), status);
+    const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                                       sizeof(shared::PushParams)};
+    keep(out.layout, create_layout(device.handle, {out.set_layout}, range), status);
     if (!status) return status.error();
 
     const VkRenderPass scene = out.scene_pass;
@@ -265,6 +274,29 @@ Result<Pipelines> create_pipelines(const vk::Device& device) {
     };
     for (const auto& [place, look] : pipelines)
         keep(place, create_pipeline(device, out.layout, look), status);
+    if (!status) return status.error();
+    return out;
+}
+
+Result<HardwarePipelines> create_hardware_pipelines(const vk::Device& device, const Pipelines& pipelines,
+                                                    const vk::HardwareTessellator& tessellator, Scheme scheme) {
+    HardwarePipelines out;
+    Result<void> status;
+    keep(out.layout,
+         create_layout(device.handle, {tessellator.set_layout(), pipelines.set_layout}, vk::kHardwarePushConstants),
+         status);
+    if (!status) return status.error();
+    const vk::HardwareStages stages = tessellator.stages(scheme);
+    PipelineLook look = {.vertex = stages.vertex, .control = stages.control, .evaluation = stages.evaluation};
+    look.fragment = kMeshHardwareFrag;
+    look.pass = pipelines.scene_pass;
+    keep(out.mesh, create_pipeline(device, out.layout, look), status);
+    look.fragment = {};
+    look.slope_bias = 1.5f;
+    look.pass = pipelines.shadow_pass;
+    keep(out.shadow, create_pipeline(device, out.layout, look), status);
+    look.pass = pipelines.sky_pass;
+    keep(out.sky, create_pipeline(device, out.layout, look), status);
     if (!status) return status.error();
     return out;
 }

@@ -1,6 +1,7 @@
 // What drawing takes that does not depend on the size of the picture: passes, layouts, pipelines.
 #pragma once
 
+#include "limn/vulkan/hardware_tessellation.h"
 #include "viewer/handles.h"
 
 namespace limn::viewer {
@@ -20,6 +21,16 @@ struct Pipelines {
     UniquePipeline backdrop, ground, mesh, mesh_pulled, lines, hidden_lines;
     UniquePipeline shadow, sky;
 };
+
+/// The surface by limn's stages of hardware tessellation: set 0 and push constants are limn's, Pipelines::set_layout is
+/// that of set 1.
+struct HardwarePipelines {
+    UniquePipelineLayout layout;
+    UniquePipeline mesh, shadow, sky;
+};
+/// For surfaces of this scheme. Errors: out_of_memory, vulkan_failure.
+Result<HardwarePipelines> create_hardware_pipelines(const vk::Device& device, const Pipelines& pipelines,
+                                                    const vk::HardwareTessellator& tessellator, Scheme scheme);
 
 /// Viewport and scissor are dynamic. Errors: out_of_memory, vulkan_failure.
 Result<Pipelines> create_pipelines(const vk::Device& device);

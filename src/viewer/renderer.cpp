@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <glm/gtc/type_ptr.hpp>
 
 namespace limn::viewer {
 namespace {
@@ -68,6 +69,22 @@ void set_viewport(VkCommandBuffer commands, VkRect2D area) {
 bool needs_triangles(const RenderSettings& settings) {
     return settings.wireframe || settings.color == ColorMode::kind || settings.color == ColorMode::level ||
            settings.color == ColorMode::rate;
+}
+
+/// What depth.vert does, as a matrix. `light`: 0 the key light, 1 + i sky direction i.
+glm::mat4 clip_from_world(const shared::FrameParams& frame, uint32_t light) {
+    glm::mat4 rows = glm::transpose(frame.shadow_from_world);
+    if (light != 0)
+        rows = glm::mat4(frame.sky_u[light - 1], frame.sky_v[light - 1], frame.sky_depth[light - 1],
+                         glm::vec4(0, 0, 0, 1));
+    rows[0] = 2.0f * rows[0] - rows[3];
+    rows[1] = 2.0f * rows[1] - rows[3];
+    return glm::transpose(rows);
+}
+
+void draw_hardware(VkCommandBuffer commands, const vk::HardwareTessellation& hardware, VkPipelineLayout layout,
+                   const glm::mat4& clip_from_points) {
+    hardware.record_draw(commands, layout, std::span<const float, 16>(glm::value_ptr(clip_from_points), 16));
 }
 
 }  // namespace
@@ -200,6 +217,13 @@ Result<void> Renderer::resize(VkExtent2D extent) {
     return {};
 }
 
+Result<void> Renderer::prepare_hardware(const vk::HardwareTessellator& tessellator, Scheme scheme) {
+    auto created = create_hardware_pipelines(*device_, pipelines_, tessellator, scheme);
+    if (!created) return created.error();
+    hardware_ = std::move(*created);
+    return {};
+}
+
 void Renderer::set_scene(const RenderMesh& mesh, const RenderLines& lines) {
     mesh_ = mesh;
     lines_ = lines;
@@ -265,30 +289,60 @@ void Renderer::record_pulled_command(VkCommandBuffer commands) const {
     vk::record_barrier(*device_, commands, vk::kCopyWrites, kCommand);
 }
 
-void Renderer::record_depths(VkCommandBuffer commands, uint32_t sky_directions, PassTimer* timer) const {
+void Renderer::bind_set(VkCommandBuffer commands) const {
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout, 0, 1, &set_, 0,
+                            nullptr);
+}
+
+void Renderer::record_depth(VkCommandBuffer commands, const shared::FrameParams& params, uint32_t light) const {
+    if (mesh_.hardware != nullptr) {
+        draw_hardware(commands, *mesh_.hardware, hardware_.layout, clip_from_world(params, light));
+        return;
+    }
+    push(commands, light, 1);
+    vkCmdDrawIndexedIndirect(commands, mesh_.indirect, mesh_.indirect_offset, 1, 0);
+}
+
+void Renderer::record_depths(VkCommandBuffer commands, const shared::FrameParams& params, PassTimer* timer) const {
+    const bool hardware = mesh_.hardware != nullptr;
     const VkClearValue clear[2] = {{.depthStencil = {1, 0}}, {.depthStencil = {1, 0}}};
     begin_pass(commands, pipelines_.shadow_pass, shadow_frame_, shadow_.extent, clear);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.shadow);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, hardware ? hardware_.shadow : pipelines_.shadow);
     set_viewport(commands, {{0, 0}, shadow_.extent});
-    push(commands, 0, 1);
-    vkCmdDrawIndexedIndirect(commands, mesh_.indirect, mesh_.indirect_offset, 1, 0);
+    record_depth(commands, params, 0);
     vkCmdEndRenderPass(commands);
     if (timer != nullptr) timer->record_mark(commands, "key shadow");
 
     begin_pass(commands, pipelines_.sky_pass, sky_frame_, sky_.extent, clear);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.sky);
-    for (uint32_t i = 0; i < sky_directions; ++i) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, hardware ? hardware_.sky : pipelines_.sky);
+    for (uint32_t i = 0; i < params.options.z; ++i) {
         const VkOffset2D corner = {static_cast<int32_t>(i % shared::kSkyTiles * kSkyTileSize),
                                    static_cast<int32_t>(i / shared::kSkyTiles * kSkyTileSize)};
         set_viewport(commands, {corner, {kSkyTileSize, kSkyTileSize}});
-        push(commands, 1 + i, 1);
-        vkCmdDrawIndexedIndirect(commands, mesh_.indirect, mesh_.indirect_offset, 1, 0);
+        record_depth(commands, params, 1 + i);
     }
     vkCmdEndRenderPass(commands);
     if (timer != nullptr) timer->record_mark(commands, "sky shadows");
 }
 
-void Renderer::record_scene(VkCommandBuffer commands, const View& view) const {
+void Renderer::record_surface(VkCommandBuffer commands, const shared::FrameParams& params,
+                              const RenderSettings& settings) const {
+    if (mesh_.hardware != nullptr) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, hardware_.mesh);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, hardware_.layout, 1, 1, &set_, 0, nullptr);
+        draw_hardware(commands, *mesh_.hardware, hardware_.layout, params.clip_from_world);
+        bind_set(commands);  // limn's own was in its place
+        push(commands, 0, 1);
+    } else if (needs_triangles(settings)) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.mesh_pulled);
+        vkCmdDrawIndirect(commands, pulled_.handle, 0, 1, 0);
+    } else {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.mesh);
+        vkCmdDrawIndexedIndirect(commands, mesh_.indirect, mesh_.indirect_offset, 1, 0);
+    }
+}
+
+void Renderer::record_scene(VkCommandBuffer commands, const shared::FrameParams& params, const View& view) const {
     const RenderSettings& settings = view.settings;
     const VkClearValue clear[2] = {{}, {.depthStencil = {1, 0}}};
     begin_pass(commands, pipelines_.scene_pass, scene_frame_, color_.extent, clear);
@@ -296,13 +350,7 @@ void Renderer::record_scene(VkCommandBuffer commands, const View& view) const {
     push(commands, 0, 1);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.backdrop);
     vkCmdDraw(commands, 3, 1, 0, 0);
-    if (needs_triangles(settings)) {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.mesh_pulled);
-        vkCmdDrawIndirect(commands, pulled_.handle, 0, 1, 0);
-    } else {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.mesh);
-        vkCmdDrawIndexedIndirect(commands, mesh_.indirect, mesh_.indirect_offset, 1, 0);
-    }
+    record_surface(commands, params, settings);
     const bool above = view.camera.eye.y > view.bounds.low.y;
     if (settings.ground && above && settings.color != ColorMode::sides) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.ground);
@@ -323,12 +371,14 @@ void Renderer::record(VkCommandBuffer commands, const View& view, PassTimer* tim
     const shared::FrameParams params =
         build_frame_params(view.camera, view.bounds, view.settings, mesh_, color_.extent);
     std::memcpy(frame_params_.mapped(), &params, sizeof params);
-    if (needs_triangles(view.settings)) record_pulled_command(commands);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout, 0, 1, &set_, 0,
-                            nullptr);
-    vkCmdBindIndexBuffer(commands, mesh_.indices, 0, VK_INDEX_TYPE_UINT32);
-    if (!view.keep_shadows) record_depths(commands, params.options.z, timer);
-    record_scene(commands, view);
+    if (mesh_.hardware == nullptr) {
+        if (needs_triangles(view.settings)) record_pulled_command(commands);
+        vkCmdBindIndexBuffer(commands, mesh_.indices, 0, VK_INDEX_TYPE_UINT32);
+    }
+    bind_set(commands);
+    if (!view.keep_shadows) record_depths(commands, params, timer);
+    bind_set(commands);
+    record_scene(commands, params, view);
     if (timer != nullptr) timer->record_mark(commands, "picture");
 }
 

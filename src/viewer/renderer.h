@@ -20,6 +20,9 @@ class Renderer {
     Result<void> resize(VkExtent2D extent);
     VkExtent2D extent() const { return color_.extent; }
 
+    /// Before a scene with hardware tessellation, of a surface of this scheme; the tessellator outlives the renderer.
+    /// Errors: out_of_memory, vulkan_failure.
+    Result<void> prepare_hardware(const vk::HardwareTessellator& tessellator, Scheme scheme);
     /// What record() draws from now on; before the first one.
     void set_scene(const RenderMesh& mesh, const RenderLines& lines);
 
@@ -48,12 +51,17 @@ class Renderer {
     Result<void> create_set();
     void write_set() const;
     void record_pulled_command(VkCommandBuffer commands) const;
-    void record_depths(VkCommandBuffer commands, uint32_t sky_directions, PassTimer* timer) const;
-    void record_scene(VkCommandBuffer commands, const View& view) const;
+    void record_depths(VkCommandBuffer commands, const shared::FrameParams& params, PassTimer* timer) const;
+    void record_depth(VkCommandBuffer commands, const shared::FrameParams& params, uint32_t light) const;
+    void record_scene(VkCommandBuffer commands, const shared::FrameParams& params, const View& view) const;
+    void record_surface(VkCommandBuffer commands, const shared::FrameParams& params,
+                        const RenderSettings& settings) const;
+    void bind_set(VkCommandBuffer commands) const;
     void push(VkCommandBuffer commands, uint32_t light, float opacity) const;
 
     const vk::Device* device_;
     Pipelines pipelines_;
+    HardwarePipelines hardware_;
     UniqueDescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
     UniqueSampler compare_sampler_, depth_sampler_;

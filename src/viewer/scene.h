@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "limn/vulkan/buffer.h"
+#include "limn/vulkan/hardware_tessellation.h"
 #include "viewer/camera.h"
 
 namespace limn::viewer {
@@ -25,6 +26,8 @@ struct RenderMesh {
     VkBuffer places = VK_NULL_HANDLE;
     VkBuffer triangle_faces = VK_NULL_HANDLE;  ///< optional: the ptex face of each triangle
     VkBuffer face_rates = VK_NULL_HANDLE;      ///< optional, of each ptex face: rate along u | along v << 16
+    /// Draws instead of vertices, indices and the command, which are null then.
+    const vk::HardwareTessellation* hardware = nullptr;
 };
 
 /// Reads of a RenderMesh and of lines: what writes them owes a barrier to these.
@@ -51,6 +54,10 @@ enum class ColorMode : uint32_t {
     sides,  ///< fronts grey, backs magenta, nothing else: where a closed surface has a crack, magenta shows
 };
 
+/// Reads of a RenderMesh with hardware tessellation.
+inline constexpr vk::StageAccess kHardwareRenderReads = {
+    vk::kHardwareReads.stages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, vk::kHardwareReads.access};
+
 /// It reads RenderMesh::places.
 inline bool needs_places(ColorMode mode) {
     return mode == ColorMode::kind || mode == ColorMode::level;
@@ -62,8 +69,8 @@ struct Background {
 };
 
 struct RenderSettings {
-    ColorMode color = ColorMode::clay;
-    bool wireframe = false;
+    ColorMode color = ColorMode::clay;  ///< with hardware tessellation not kind or level: they are as level 0 there
+    bool wireframe = false;             ///< not with hardware tessellation
     bool lines = false;
     bool ground = true;
     Background background;

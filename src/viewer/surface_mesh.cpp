@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "limn/patch_tree.h"
 #include "limn/topology.h"
@@ -44,8 +43,11 @@ struct SurfaceMesh::State {
     SurfaceMeshOptions options;
     vk::Buffer vertices, places, indices, triangle_faces;
     std::optional<vk::Tessellation> tessellation;
+    std::optional<vk::HardwareTessellation> hardware;
 
     Result<void> upload_tables(const ControlMesh& mesh);
+    Result<void> prepare_hardware(const SurfaceMeshOptions& wanted);
+    Result<void> prepare_triangles(const SurfaceMeshOptions& wanted, uint32_t triangles);
     Result<void> create_buffers(const ControlMesh& mesh, std::span<const float> positions);
     uint64_t max_vertices() const {
         return device->properties.limits.maxStorageBufferRange / (kVertexFloats * sizeof(float));
@@ -106,12 +108,18 @@ SurfaceMesh::SurfaceMesh(SurfaceMesh&&) noexcept = default;
 SurfaceMesh& SurfaceMesh::operator=(SurfaceMesh&&) noexcept = default;
 SurfaceMesh::~SurfaceMesh() = default;
 
-Result<SurfaceKernels> SurfaceKernels::create(const vk::Device& device) {
+Result<SurfaceKernels> SurfaceKernels::create(const vk::Device& device, bool has_tessellation_shader) {
     auto evaluator = vk::SurfaceEvaluator::create(device);
     if (!evaluator) return evaluator.error();
     auto tessellator = vk::Tessellator::create(device);
     if (!tessellator) return tessellator.error();
-    return SurfaceKernels{std::move(*evaluator), std::move(*tessellator)};
+    SurfaceKernels out = {std::move(*evaluator), std::move(*tessellator), {}};
+    if (has_tessellation_shader) {
+        auto hardware = vk::HardwareTessellator::create({&device, true});
+        if (!hardware) return hardware.error();
+        out.hardware.emplace(std::move(*hardware));
+    }
+    return out;
 }
 
 Result<SurfaceMesh> SurfaceMesh::create(const vk::Device& device, const SurfaceKernels& kernels,
@@ -139,46 +147,75 @@ uint32_t SurfaceMesh::max_triangle_capacity() const {
     return static_cast<uint32_t>(std::min<uint64_t>(most, kMostTriangles));
 }
 
-Result<void> SurfaceMesh::prepare(const SurfaceMeshOptions& options) {
-    State& state = *state_;
-    const uint32_t triangles = std::clamp(options.triangle_capacity, 1u, max_triangle_capacity());
+/// Frees what held vertices and triangles.
+Result<void> SurfaceMesh::State::prepare_hardware(const SurfaceMeshOptions& wanted) {
+    auto rates = kernels->tessellator.prepare({.patches = &patches,
+                                               .table = &table,
+                                               .points = {.buffer = points.handle},
+                                               .mode = wanted.mode,
+                                               .spacing = wanted.spacing,
+                                               .edge_rates = {wanted.edge_rates},
+                                               .result = {result.handle}});
+    if (!rates) return rates.error();
+    auto drawn = kernels->hardware->prepare(*rates);
+    if (!drawn) return drawn.error();
+    hardware.emplace(std::move(*drawn));
+    tessellation.emplace(std::move(*rates));
+    for (vk::Buffer* buffer : {&vertices, &places, &indices, &triangle_faces}) *buffer = {};
+    return {};
+}
+
+Result<void> SurfaceMesh::State::prepare_triangles(const SurfaceMeshOptions& wanted, uint32_t triangles) {
     // Half as many vertices as triangles lie within faces; more on borders where faces share none.
     const auto vertex_capacity = static_cast<uint32_t>(std::min<uint64_t>(
-        uint64_t{triangles} / 4 * 3 + uint64_t{10} * state.table.face_count, state.max_vertices()));
-    auto vertices = create_words(*state.device, uint64_t{vertex_capacity} * kVertexFloats);
-    if (!vertices) return vertices.error();
-    vk::Buffer places;
-    if (options.places) {
-        auto buffer = create_words(*state.device, uint64_t{vertex_capacity} * 4);
+        uint64_t{triangles} / 4 * 3 + uint64_t{10} * table.face_count, max_vertices()));
+    auto new_vertices = create_words(*device, uint64_t{vertex_capacity} * kVertexFloats);
+    if (!new_vertices) return new_vertices.error();
+    vk::Buffer new_places;
+    if (wanted.places) {
+        auto buffer = create_words(*device, uint64_t{vertex_capacity} * 4);
         if (!buffer) return buffer.error();
-        places = std::move(*buffer);
+        new_places = std::move(*buffer);
     }
-    auto indices = create_words(*state.device, uint64_t{triangles} * 3, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
-    if (!indices) return indices.error();
-    auto triangle_faces = create_words(*state.device, triangles);
-    if (!triangle_faces) return triangle_faces.error();
-    auto tessellation = state.kernels->tessellator.prepare(
-        {.patches = &state.patches,
-         .table = &state.table,
-         .points = {.buffer = state.points.handle},
-         .mode = options.mode,
+    auto new_indices = create_words(*device, uint64_t{triangles} * 3, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    if (!new_indices) return new_indices.error();
+    auto new_faces = create_words(*device, triangles);
+    if (!new_faces) return new_faces.error();
+    auto prepared = kernels->tessellator.prepare(
+        {.patches = &patches,
+         .table = &table,
+         .points = {.buffer = points.handle},
+         .mode = wanted.mode,
+         .spacing = wanted.spacing,
+         .edge_rates = {wanted.edge_rates},
          .vertex_capacity = vertex_capacity,
          .triangle_capacity = triangles,
-         .positions = {.buffer = vertices->handle, .stride = kVertexFloats},
-         .normals = {.buffer = vertices->handle, .first = 3, .stride = kVertexFloats},
-         .places = {.buffer = places.handle, .stride = 4},
-         .indices = {indices->handle},
-         .triangle_faces = {triangle_faces->handle},
-         .command = {state.command.handle},
-         .result = {state.result.handle}});
-    if (!tessellation) return tessellation.error();
+         .positions = {.buffer = new_vertices->handle, .stride = kVertexFloats},
+         .normals = {.buffer = new_vertices->handle, .first = 3, .stride = kVertexFloats},
+         .places = {.buffer = new_places.handle, .stride = 4},
+         .indices = {new_indices->handle},
+         .triangle_faces = {new_faces->handle},
+         .command = {command.handle},
+         .result = {result.handle}});
+    if (!prepared) return prepared.error();
+    hardware.reset();
+    tessellation.emplace(std::move(*prepared));
+    vertices = std::move(*new_vertices);
+    places = std::move(new_places);
+    indices = std::move(*new_indices);
+    triangle_faces = std::move(*new_faces);
+    return {};
+}
+
+Result<void> SurfaceMesh::prepare(const SurfaceMeshOptions& options) {
+    State& state = *state_;
+    if (options.hardware && !state.kernels->hardware)
+        return Error{ErrorCode::unsupported, std::string(state.device->name()) + " has no tessellation stages"};
+    const uint32_t triangles = std::clamp(options.triangle_capacity, 1u, max_triangle_capacity());
+    auto prepared = options.hardware ? state.prepare_hardware(options) : state.prepare_triangles(options, triangles);
+    if (!prepared) return prepared;
     state.options = options;
     state.options.triangle_capacity = triangles;
-    state.tessellation.emplace(std::move(*tessellation));
-    state.vertices = std::move(*vertices);
-    state.places = std::move(places);
-    state.indices = std::move(*indices);
-    state.triangle_faces = std::move(*triangle_faces);
     state.face_rates_pass->set_buffers(
         std::array{state.table.words.handle, state.tessellation->state_buffer(), state.face_rates.handle});
     return {};
@@ -197,7 +234,7 @@ void SurfaceMesh::State::record_points(VkCommandBuffer commands, PassTimer* time
 
 void SurfaceMesh::State::record_vertices(VkCommandBuffer commands, PassTimer* timer) const {
     tessellation->record_vertices(commands);
-    vk::record_barrier(*device, commands, vk::kKernelWrites, kRenderReads);
+    vk::record_barrier(*device, commands, vk::kKernelWrites, hardware ? kHardwareRenderReads : kRenderReads);
     mark(timer, commands, "vertices");
 }
 
@@ -223,10 +260,26 @@ RenderMesh SurfaceMesh::mesh() const {
     return {.vertices = state_->vertices.handle,
             .vertex_stride_floats = kVertexFloats,
             .indices = state_->indices.handle,
-            .indirect = state_->command.handle,
+            .indirect = state_->hardware ? VK_NULL_HANDLE : state_->command.handle,
             .places = state_->places.handle,
             .triangle_faces = state_->triangle_faces.handle,
-            .face_rates = state_->face_rates.handle};
+            .face_rates = state_->face_rates.handle,
+            .hardware = state_->hardware ? &*state_->hardware : nullptr};
+}
+
+Scheme SurfaceMesh::scheme() const {
+    return state_->table.scheme;
+}
+
+uint32_t SurfaceMesh::face_count() const {
+    return state_->table.face_count;
+}
+
+VkDeviceSize SurfaceMesh::tessellation_bytes() const {
+    VkDeviceSize sum = state_->tessellation->state_bytes();
+    for (const vk::Buffer* buffer : {&state_->vertices, &state_->places, &state_->indices, &state_->triangle_faces})
+        sum += buffer->size_bytes;
+    return sum;
 }
 
 RenderLines SurfaceMesh::control_lines() const {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "limn/control_mesh.h"
+#include "limn/vulkan/hardware_tessellation.h"
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
 #include "viewer/pass_timer.h"
@@ -17,13 +19,19 @@ namespace limn::viewer {
 struct SurfaceKernels {
     vk::SurfaceEvaluator evaluator;
     vk::Tessellator tessellator;
+    std::optional<vk::HardwareTessellator> hardware;  ///< where the device has tessellation stages
 
     /// `device` outlives them. Errors: out_of_memory, vulkan_failure.
-    static Result<SurfaceKernels> create(const vk::Device& device);
+    static Result<SurfaceKernels> create(const vk::Device& device, bool has_tessellation_shader = false);
 };
 
 struct SurfaceMeshOptions {
-    RateMode mode = RateMode::uniform;      ///< any but per_edge
+    RateMode mode = RateMode::uniform;  ///< per_edge: by edge_rates
+    TessellationSpacing spacing = TessellationSpacing::integer;
+    /// Rates alone, which hardware tessellation draws by: there are no vertices then, and nothing to measure. Takes
+    /// SurfaceKernels::hardware.
+    bool hardware = false;
+    VkBuffer edge_rates = VK_NULL_HANDLE;   ///< as vk::TessellationInfo has them
     bool places = false;                    ///< what colours by kind and level read
     uint32_t triangle_capacity = 1u << 20;  ///< at most max_triangle_capacity()
 
@@ -57,6 +65,9 @@ class SurfaceMesh {
     void record_vertices(VkCommandBuffer commands, PassTimer* timer = nullptr) const;
 
     RenderMesh mesh() const;
+    Scheme scheme() const;
+    uint32_t face_count() const;  ///< ptex faces
+    VkDeviceSize tessellation_bytes() const;  ///< what is held beside tables and control points
     RenderLines control_lines() const;
     /// 3 floats each; STORAGE_BUFFER usage.
     VkBuffer control_points() const;

@@ -139,6 +139,12 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         if (!channels.empty()) info.tangent_channel = 0;
         info.triangle_faces = {faces.handle, offset_bytes};
     }
+    if (request.rates_only) {
+        info.vertex_capacity = info.triangle_capacity = 0;
+        info.positions = {};
+        info.channels = {};
+        info.indices = info.command = {};
+    }
     if (request.previous) {
         info.previous_points = {.buffer = previous_points.handle};
         info.previous_positions = {previous.handle, offset_bytes, 0, 3};

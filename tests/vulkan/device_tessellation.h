@@ -16,6 +16,7 @@ struct TessellationRequest {
     RateSettings settings = {};
     std::vector<float> edge_rates = {};
     bool fit_capacity = false;
+    bool rates_only = false;  ///< no vertices, no triangles; without `outputs`
     bool outputs = true;  ///< normals, places, tangents, faces of triangles, channels
     uint32_t max_rate = 64;
     uint32_t vertex_capacity = 1 << 17;

@@ -484,6 +484,45 @@ TEST_F(TessellatorTest, SegmentsAreAsLongOnScreenAsAsked) {
     EXPECT_GE(static_cast<double>(good) / static_cast<double>(count), 0.99);
 }
 
+TEST_F(TessellatorTest, RatesAloneAreThoseOfTriangles) {
+    TestMesh shape = limn::test::make_prism(7);
+    for (const RateMode mode : {RateMode::uniform, RateMode::chord_error}) {
+        TessellationRequest request;
+        request.settings.mode = mode;
+        request.settings.value = mode == RateMode::uniform ? 6.4f : 0.001f;
+        request.outputs = false;
+        const TessellatedShape whole = tessellate_on_device(shape, request);
+        request.rates_only = true;
+        const TessellatedShape rates = tessellate_on_device(shape, request);
+        EXPECT_TRUE(rates.recorded);
+        EXPECT_EQ(rates.rates, whole.rates);
+        EXPECT_EQ(rates.result.status, TessellationStatus::complete);
+        EXPECT_EQ(rates.result.vertex_count, 0u);
+        EXPECT_EQ(std::bit_cast<float>(rates.command[0]), -7.5f);  // untouched
+        EXPECT_EQ(rates.positions.size() + rates.indices.size(), 0u);
+    }
+    TessellationRequest request;
+    request.outputs = false;
+    request.rates_only = true;
+    shape.positions[0] = NAN;
+    EXPECT_EQ(tessellate_on_device(shape, request).result.status, TessellationStatus::not_finite);
+    request.settings.value = NAN;
+    EXPECT_FALSE(tessellate_on_device(shape, request).recorded);
+}
+
+/// Copies are searched by halving (tess_hardware.tesc).
+TEST_F(TessellatorTest, CopiesAscend) {
+    TestMesh shape = limn::test::make_torus(6, 5);
+    for (uint32_t i = 0; i < shape.vertex_count; i += 3)
+        for (uint32_t j = 0; j < shape.vertex_count; ++j)
+            if (i < j && shape.has_edge(i, j)) shape.add_crease(i, j, 10);
+    const TessellationTable table = *build_tessellation_table(*ControlMesh::create(shape.description()), {});
+    for (const Array<uint32_t>* copies : {&table.corner_copies, &table.row_copies}) {
+        ASSERT_GT(copies->size(), 4u);
+        for (size_t i = 2; i < copies->size(); i += 2) EXPECT_LT((*copies)[i - 2], (*copies)[i]);
+    }
+}
+
 TEST_F(TessellatorTest, PrepareChecksWhatItIsGiven) {
     const DevicePatchTable patches;
     const DeviceTessellationTable table;

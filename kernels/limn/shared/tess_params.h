@@ -72,6 +72,9 @@ struct TessParams {
 };
 LIMN_LAYOUT(TessParams, 128)
 
+// A mode of tess_budget and tess_scan: there are no vertices and triangles, and the state ends where those begin.
+const uint kTessRatesOnly = 3;
+
 // The state, in words: the result, then for each rate edge a target (float) and a rate, for each face whether it is
 // drawn, for each row, then for each face, and then for their end, where its vertices and triangles begin, and the same
 // sums for blocks of these.

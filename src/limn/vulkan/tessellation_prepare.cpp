@@ -26,9 +26,28 @@ Result<void> check_words(const WordBuffer& words, bool optional) {
     return {};
 }
 
+/// For hardware tessellation: no vertices, no triangles.
+bool is_rates_only(const TessellationInfo& info) {
+    return info.positions.buffer == VK_NULL_HANDLE && info.indices.buffer == VK_NULL_HANDLE &&
+           info.command.buffer == VK_NULL_HANDLE;
+}
+
+Result<void> check_rates_only(const TessellationInfo& info) {
+    for (const PointBuffer* points : {&info.normals, &info.places, &info.tangents, &info.previous_points,
+                                      &info.previous_positions, &info.heights})
+        if (points->buffer != VK_NULL_HANDLE) return bad("there are outputs of vertices, but no positions");
+    if (info.vertex_capacity != 0 || info.triangle_capacity != 0 || !info.channels.empty() ||
+        info.height_texture.view != VK_NULL_HANDLE || info.triangle_faces.buffer != VK_NULL_HANDLE)
+        return bad("rates alone are asked for, but also what vertices or triangles have");
+    if (auto checked = check_points(info.points, 3, false); !checked) return checked;
+    if (auto checked = check_words(info.result, true); !checked) return checked;
+    return check_words(info.edge_rates, info.mode != RateMode::per_edge);
+}
+
 Result<void> check(const TessellationInfo& info) {
     if (info.patches == nullptr || info.table == nullptr) return bad("there are no tables to tessellate");
     if (info.table->face_count != info.patches->ptex_count) return bad("the tables are of different meshes");
+    if (is_rates_only(info)) return check_rates_only(info);
     const std::pair<const PointBuffer*, uint32_t> outputs[] = {
         {&info.normals, 3}, {&info.places, 4}, {&info.tangents, 4}, {&info.previous_points, 3},
         {&info.previous_positions, 3}};
@@ -200,11 +219,13 @@ Result<void> TessellationPreparation::add_rates() {
         second.offset_bytes = aligned;
         p.payload[15] = word(static_cast<uint32_t>((begin - aligned) / 4));
     }
-    uint32_t command = 0, result = shared::kNoFace;
-    const BoundBuffer command_out = write(info.command.buffer, info.command.offset_bytes, 20, command);
-    const BoundBuffer result_out = info.result.buffer != VK_NULL_HANDLE
-                                       ? write(info.result.buffer, info.result.offset_bytes, 16, result)
-                                       : state_words();
+    const bool rates_only = is_rates_only(info);
+    uint32_t command = shared::kNoFace, result = shared::kNoFace;
+    const auto bind_optional = [&](const WordBuffer& words, uint64_t bytes, uint32_t& base) {
+        return words.buffer != VK_NULL_HANDLE ? write(words.buffer, words.offset_bytes, bytes, base) : state_words();
+    };
+    const BoundBuffer command_out = bind_optional(info.command, 20, command);
+    const BoundBuffer result_out = bind_optional(info.result, 16, result);
     auto set = add_set(local(0), second, command_out, result_out);
     if (!set) return set.error();
     const uint64_t edges = table().rate_edge_count, faces = table().face_count,
@@ -215,7 +236,7 @@ Result<void> TessellationPreparation::add_rates() {
         if (!made && failed) failed = made.error();
         return made ? *made : Dispatch{};
     };
-    out.begin = add(kTessBudgetKernel, 1, p, 0);
+    out.begin = add(kTessBudgetKernel, 1, p, rates_only ? shared::kTessRatesOnly : 0);
     out.targets = add(kTessTargetKernel, edges, p, static_cast<uint32_t>(info.mode));
     const uint32_t culling = (info.cull_outside ? shared::kTessCullOutside : 0) |
                              (info.cull_backfaces ? shared::kTessCullBackfaces : 0);
@@ -224,12 +245,16 @@ Result<void> TessellationPreparation::add_rates() {
                    info.mode == RateMode::chord_error;
     p.payload[4] = word(command);
     p.payload[5] = word(result);
-    if (info.fit_capacity)
+    if (info.fit_capacity && !rates_only)
         for (const uint32_t mode : {1u, 2u}) {
             out.rates.push_back({add(kTessTrialKernel, items, p, 0)});
             out.rates.push_back({add(kTessBudgetKernel, 1, p, mode)});
         }
     out.rates.push_back({add(kTessRoundKernel, edges, p, 0)});
+    if (rates_only) {
+        out.rates.push_back({add(kTessScanKernel, 1, p, shared::kTessRatesOnly)});
+        return failed;
+    }
     out.rates.push_back({add(kTessCountKernel, items, p, 0)});
     out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
     out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
@@ -437,8 +462,11 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     out.cull_outside = info.cull_outside;
     out.cull_backfaces = info.cull_backfaces;
     out.max_rate = table.max_rate;
+    out.table = &table;
     const VkDeviceSize words =
-        4ull * shared::tess_state_words(table.rate_edge_count, table.face_count, table.row_count);
+        4ull * (is_rates_only(info)
+                    ? shared::tess_items(table.rate_edge_count, table.face_count)
+                    : shared::tess_state_words(table.rate_edge_count, table.face_count, table.row_count));
     auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
     if (!buffer) return buffer.error();
     out.words = std::move(*buffer);
@@ -446,6 +474,7 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     TessellationPreparation preparation{*state_, info, out, state_->texel ? 8u : 32u, 8u};
     if (auto added = preparation.add_local(*info.patches, table.vertices, info.points, 3); !added) return added.error();
     if (auto added = preparation.add_rates(); !added) return added.error();
+    if (is_rates_only(info)) return tessellation;
     if (auto added = preparation.add_triangles(); !added) return added.error();
     if (auto added = preparation.add_outputs(); !added) return added.error();
     return tessellation;

@@ -25,6 +25,7 @@ inline float word(uint32_t value) {
 
 struct Tessellation::State {
     Recording sets, height_sets;
+    const DeviceTessellationTable* table = nullptr;
     Buffer words;                        ///< limn/shared/tess_params.h
     std::vector<Buffer> local;           ///< of vertices, channels, the last frame
     std::vector<SurfaceEvaluation> local_points;
@@ -41,6 +42,12 @@ struct Tessellation::State {
     void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
     void record_positions(VkCommandBuffer commands, const Stage& stage) const;
 };
+
+/// Settled data through texel buffers: evaluator.cpp tells why.
+inline bool reads_texels(const Device& device) {
+    return device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+           device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+}
 
 struct Tessellator::State {
     const Device* device = nullptr;

@@ -178,8 +178,7 @@ Result<Tessellator> Tessellator::create(const Device& device) {
     tessellator.state_ = std::make_unique<State>(std::move(*surfaces));
     State& state = *tessellator.state_;
     state.device = &device;
-    state.texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-                  device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+    state.texel = reads_texels(device);
     std::vector<VkDescriptorType> bindings(shared::kTessBindingCount, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
     if (state.texel)
         for (const uint32_t b : {shared::kTessWordsBinding, shared::kTessWordGroupsBinding, shared::kTessLocalBinding,

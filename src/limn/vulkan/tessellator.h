@@ -37,7 +37,8 @@ struct HeightTexture {
 
 /// What to make. Per-vertex outputs are PointBuffers with room for vertex_capacity points; any of them may share a
 /// buffer with others, as long as they do not overlap. All but `points` need STORAGE_BUFFER usage. Optional ones have
-/// null buffers.
+/// null buffers. With none at all but `result`, and no capacities, rates alone are computed: what hardware tessellation
+/// draws by (hardware_tessellation.h).
 struct TessellationInfo {
     const DevicePatchTable* patches = nullptr;
     const DeviceTessellationTable* table = nullptr;
@@ -50,10 +51,10 @@ struct TessellationInfo {
 
     uint32_t vertex_capacity = 0;
     uint32_t triangle_capacity = 0;
-    /// Where more would be needed, scale all rates down by the largest factor that fits.
+    /// Where more would be needed, scale all rates down by the largest factor that fits. Nothing to rates alone.
     bool fit_capacity = true;
 
-    PointBuffer positions = {};
+    PointBuffer positions = {};  ///< null, as indices and command are then: rates alone
     PointBuffer normals = {};  ///< optional: unit normals
     PointBuffer places = {};   ///< optional, 4 words: ptex face, u and v (floats), kind of leaf | its level << 8
     PointBuffer tangents = {};  ///< optional, 4 floats: unit tangent, and the sign of the bitangent
@@ -122,6 +123,7 @@ class Tessellation {
 
   private:
     friend class Tessellator;
+    friend class HardwareTessellator;
     friend struct TessellationPreparation;
     Tessellation();
     struct State;
