@@ -321,8 +321,11 @@ TEST_F(TessellatorTest, WhatCannotBeDrawnIsEmpty) {
         request.settings.camera.matrix[6] = bad;
         expect_empty(tessellate_on_device(shape, request), TessellationStatus::bad_settings);
     }
-    request.settings = {.max_rate = 128};  // of trees for 64
-    expect_empty(tessellate_on_device(shape, request), TessellationStatus::bad_settings);
+    // More than the trees are for, and than loops over powers of two could count to.
+    for (const uint32_t most : {128u, ~0u}) {
+        request.settings = {.value = 4e9f, .spacing = TessellationSpacing::power_of_two, .max_rate = most};
+        expect_empty(tessellate_on_device(shape, request), TessellationStatus::bad_settings);
+    }
     // A point that is no number, wherever it is.
     const std::vector<float> positions = shape.positions;
     for (size_t i = 0; i < positions.size(); i += 7) {

@@ -132,6 +132,7 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
     Result<void> checked = check_rate_settings(settings);
     if (checked && settings.max_rate > s.max_rate)
         checked = bad("the largest rate is larger than that which the patch trees were built for");
+    if (!checked) settings = {.max_rate = s.max_rate};  // kernels run, for what they leave, and must end
     const auto patched = [&](const Dispatch& dispatch, const auto& change) {
         Dispatch copy = dispatch;
         TessParams params;
