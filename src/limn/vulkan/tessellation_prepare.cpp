@@ -185,7 +185,7 @@ struct TessellationPreparation {
     Result<void> add_heights(const std::vector<uint32_t>& channel_sources);
     Result<void> add_displacement();
     Result<void> add_outputs();
-    Result<void> add_copies(const PointBuffer& positions);
+    Result<void> add_copies(const PointBuffer& positions, Stage& stage);
 };
 
 Result<void> TessellationPreparation::add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees,
@@ -328,7 +328,7 @@ Result<void> TessellationPreparation::add_output(const VertexOutput& output, Sta
     return {};
 }
 
-Result<void> TessellationPreparation::add_copies(const PointBuffer& positions) {
+Result<void> TessellationPreparation::add_copies(const PointBuffer& positions, Stage& stage) {
     const uint32_t corners = table().corner_copy_count, rows = table().row_copy_count;
     if (corners + rows == 0 || info.vertex_capacity == 0) return {};
     uint32_t base = 0;
@@ -347,7 +347,7 @@ Result<void> TessellationPreparation::add_copies(const PointBuffer& positions) {
         p.payload[8] = word(first);
         auto made = dispatch(kTessCopyKernel, *set, uint64_t{count} * lanes, p, domain, 0, lanes);
         if (!made) return made.error();
-        out.copies.push_back(*made);
+        stage.push_back(*made);
     }
     return {};
 }
@@ -393,7 +393,7 @@ Result<void> TessellationPreparation::add_displacement() {
                        .trees = table().vertices.offsets,
                        .second_source = source,
                        .payload = {static_cast<uint32_t>((begin - aligned) / 4), heights.stride}},
-                      out.displacement);
+                      out.displaced.vertices);
 }
 
 Result<void> TessellationPreparation::add_outputs() {
@@ -435,15 +435,17 @@ Result<void> TessellationPreparation::add_outputs() {
                            static_cast<uint32_t>(out.local.size() - 1), trees, {}, {3}});
     }
     for (const VertexOutput& output : outputs)
-        if (auto added = add_output(output, out.vertices); !added) return added;
+        if (auto added = add_output(output, out.plain.vertices); !added) return added;
     if (heights.buffer != VK_NULL_HANDLE && info.vertex_capacity != 0) {
         if (texture)
             if (auto added = add_heights(channel_sources); !added) return added;
         if (auto added = add_displacement(); !added) return added;
+        if (auto added = add_copies(info.positions, out.displaced.copies); !added) return added;
     }
-    if (auto added = add_copies(info.positions); !added) return added;
+    if (!texture)
+        if (auto added = add_copies(info.positions, out.plain.copies); !added) return added;
     if (info.previous_points.buffer == VK_NULL_HANDLE) return {};
-    return add_copies(info.previous_positions);
+    return add_copies(info.previous_positions, out.plain.copies);
 }
 
 Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {

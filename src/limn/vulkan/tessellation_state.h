@@ -23,6 +23,11 @@ inline float word(uint32_t value) {
     return std::bit_cast<float>(value);
 }
 
+/// Vertices, and what then has to be copied at seams.
+struct PositionPass {
+    Stage vertices, copies;
+};
+
 struct Tessellation::State {
     Recording sets, height_sets;
     const DeviceTessellationTable* table = nullptr;
@@ -31,7 +36,8 @@ struct Tessellation::State {
     std::vector<SurfaceEvaluation> local_points;
     Dispatch begin = {}, targets = {}, drawn = {};
     std::vector<Stage> rates;  ///< from targets and drawn faces to offsets
-    Stage vertices, triangles, copies, displacement, heights;
+    PositionPass plain, displaced;
+    Stage triangles, heights;
     Buffer own_heights;
     RateMode mode = RateMode::uniform;
     TessellationSpacing spacing = TessellationSpacing::integer;
@@ -40,7 +46,7 @@ struct Tessellation::State {
 
     const Device& device() const { return *sets.device; }
     void record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const;
-    void record_positions(VkCommandBuffer commands, const Stage& stage) const;
+    void record_positions(VkCommandBuffer commands, const PositionPass& pass) const;
 };
 
 /// Settled data through texel buffers: evaluator.cpp tells why.

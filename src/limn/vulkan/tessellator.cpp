@@ -61,7 +61,7 @@ Tessellation::~Tessellation() = default;
 VkDeviceSize Tessellation::state_bytes() const {
     VkDeviceSize sum = state_->words.size_bytes;
     for (const Buffer& buffer : state_->local) sum += buffer.size_bytes;
-    return sum;
+    return sum + state_->own_heights.size_bytes;
 }
 VkBuffer Tessellation::state_buffer() const {
     return state_->words.handle;
@@ -88,16 +88,15 @@ void Tessellation::record_triangles(VkCommandBuffer command_buffer) const {
     state_->sets.record(command_buffer, state_->triangles);
 }
 
-/// And what then has to be copied at seams.
-void Tessellation::State::record_positions(VkCommandBuffer commands, const Stage& stage) const {
-    sets.record(commands, stage);
-    if (copies.empty()) return;
+void Tessellation::State::record_positions(VkCommandBuffer commands, const PositionPass& pass) const {
+    sets.record(commands, pass.vertices);
+    if (pass.copies.empty()) return;
     record_barrier(device(), commands, kKernelWrites, kKernelReads);
-    sets.record(commands, copies);
+    sets.record(commands, pass.copies);
 }
 
 void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
-    state_->record_positions(command_buffer, state_->vertices);
+    state_->record_positions(command_buffer, state_->plain);
 }
 
 void Tessellation::record_heights(VkCommandBuffer command_buffer) const {
@@ -105,7 +104,7 @@ void Tessellation::record_heights(VkCommandBuffer command_buffer) const {
 }
 
 void Tessellation::record_displacement(VkCommandBuffer command_buffer) const {
-    state_->record_positions(command_buffer, state_->displacement);
+    state_->record_positions(command_buffer, state_->displaced);
 }
 
 Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& settings) const {

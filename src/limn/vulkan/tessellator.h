@@ -57,7 +57,7 @@ struct TessellationInfo {
     PointBuffer positions = {};  ///< null, as indices and command are then: rates alone
     PointBuffer normals = {};  ///< optional: unit normals
     PointBuffer places = {};   ///< optional, 4 words: ptex face, u and v (floats), kind of leaf | its level << 8
-    PointBuffer tangents = {};  ///< optional, 4 floats: unit tangent, and the sign of the bitangent
+    PointBuffer tangents = {};  ///< optional, 4 floats: unit tangent (not of the displaced surface), sign of the bitangent
     /// The channel, of `channels`, whose first coordinate tangents follow; none: they follow u of the ptex face.
     uint32_t tangent_channel = ~uint32_t{0};
     std::span<const TessellatedChannel> channels;
@@ -104,8 +104,8 @@ class Tessellation {
     /// to what reads them. With an error (check_rate_settings) the commands recorded draw nothing.
     Result<void> record(VkCommandBuffer command_buffer, const RateSettings& settings) const;
 
-    /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone keep the rates
-    /// and indices that are there: for animation, and for refitting what refers to the mesh.
+    /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone (and what
+    /// displaces them) keep the rates and indices that are there: for animation, and for refitting what refers to the mesh.
     void record_points(VkCommandBuffer command_buffer) const;  ///< local points of patches
     Result<void> record_rates(VkCommandBuffer command_buffer,
                               const RateSettings& settings) const;  ///< rates, counts, the command and the result
