@@ -2,7 +2,7 @@
 // kLanes invocations per ptex face, which take turns. Each reads the face's sides for itself: sharing them behind a barrier
 // made llvmpipe slower (rate 4: from 1.1 to 1.3 of the time of the vertices).
 // Reads: tables, rates, offsets. Writes: each triangle once; of them those within the slice that is bound. Deterministic.
-// kOutput: 1: faces of triangles, too. Payload: 0: base of indices, 2: of faces; 4, 5: triangles of the slice, first and end
+// kOutput: kTessFacesOfTriangles, kTessClockwise. Payload: 0: base of indices, 2: of faces; 4, 5: triangles of the slice, first and end
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_bindings.glsl"
@@ -57,9 +57,9 @@ void write(uint triangle, uint face, uint a, uint b, uint c) {
     if (triangle < first || triangle >= end) return;
     const uint at = floatBitsToUint(params.payload[0]) + 3 * (triangle - first);
     indices[at] = a;
-    indices[at + 1] = b;
-    indices[at + 2] = c;
-    if (kOutput != 0) triangle_faces[floatBitsToUint(params.payload[2]) + triangle - first] = face;
+    indices[at + 1] = (kOutput & kTessClockwise) != 0 ? c : b;
+    indices[at + 2] = (kOutput & kTessClockwise) != 0 ? b : c;
+    if ((kOutput & kTessFacesOfTriangles) != 0) triangle_faces[floatBitsToUint(params.payload[2]) + triangle - first] = face;
 }
 
 void main() {

@@ -77,8 +77,7 @@ class SurfaceMesh {
     /// Records, waits and, where there is not enough room, makes more of it and tries again, as far as the
     /// device allows. Errors: those of prepare, record and result, not_finite (control points).
     Result<vk::TessellationResult> tessellate(const RateSettings& settings);
-    /// The box of what the last record() made. Errors: invalid_argument (there are no triangles),
-    /// not_finite, vulkan_failure.
+    /// The box of what the last record() made. Errors: invalid_argument (there are no triangles), vulkan_failure.
     Result<Bounds> measure() const;
 
   private:

@@ -129,6 +129,7 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
                           .positions = {positions.handle, offset_bytes, 0, request.stride},
                           .channels = channel_infos,
                           .indices = {indices.handle, offset_bytes},
+                          .clockwise = request.clockwise,
                           .command = {command.handle, offset_bytes},
                           .result = {result.handle, offset_bytes}};
     if (request.settings.mode == RateMode::per_edge) info.edge_rates = {edge_rates.handle, offset_bytes};
@@ -161,6 +162,17 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
     record_barrier(device(), *commands, kKernelWrites, kCopyReads);
     EXPECT_TRUE(commands->submit_and_wait());
 
+    if (!request.later_positions.empty()) {
+        EXPECT_TRUE(upload_bytes(device(), points, 0, std::as_bytes(std::span(request.later_positions))));
+        Result<Commands> again = Commands::begin(device());
+        refined[0].record(*again);
+        record_barrier(device(), *again, kKernelWrites, kKernelReads);
+        tessellation->record_points(*again);
+        tessellation->record_vertices(*again);
+        record_barrier(device(), *again, kKernelWrites, kCopyReads);
+        EXPECT_TRUE(again->submit_and_wait());
+        out.points = host_points(out.patches, request.later_positions, 3);
+    }
     out.result = (*download<TessellationResult>(device(), result, 1, offset_bytes))[0];
     if (request.heights) {  // the hook, on the host
         const auto place_words = *download<uint32_t>(device(), places, size_t{4} * out.result.vertex_count, offset_bytes);

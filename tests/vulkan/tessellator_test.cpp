@@ -190,6 +190,34 @@ TEST_F(TessellatorTest, PreviousPositionsAreThoseOfThePreviousPoints) {
         ASSERT_NEAR(t.previous[i], t.positions[i] + (i % 3 == 0 ? 1 : 0), 2 * t.tolerance);
 }
 
+// Curvature decides the rates: computed anew, they would change with the points.
+TEST_F(TessellatorTest, VerticesMoveWhileRatesStay) {
+    for (const TestMesh& shape : {limn::test::make_globe(5, 2), limn::test::make_prism(5)}) {
+        TessellationRequest request;
+        request.settings = {.mode = RateMode::chord_error, .value = 1e-2f};
+        const TessellatedShape before = tessellate_on_device(shape, request);
+        request.later_positions = shape.positions;
+        for (size_t i = 0; i < shape.positions.size(); i += 3) request.later_positions[i] *= 3;
+        const TessellatedShape after = tessellate_on_device(shape, request);
+        EXPECT_EQ(after.rates, before.rates);
+        EXPECT_EQ(after.indices, before.indices);
+        expect_as_on_host(after, TessellationSpacing::integer);
+        const auto anew = compute_rates(after.patches, after.table, request.settings, after.points);
+        ASSERT_TRUE(anew);
+        EXPECT_NE(*anew, after.rates);
+    }
+}
+
+TEST_F(TessellatorTest, TrianglesRunTheOtherWay) {
+    const TestMesh shape = limn::test::make_globe(5, 2);
+    TessellationRequest request = random_request(shape, TessellationSpacing::integer, 6, 12);
+    request.clockwise = true;
+    TessellatedShape t = tessellate_on_device(shape, request);
+    ASSERT_FALSE(t.indices.empty());
+    for (size_t i = 0; i < t.indices.size(); i += 3) std::swap(t.indices[i + 1], t.indices[i + 2]);
+    expect_as_on_host(t, TessellationSpacing::integer);
+}
+
 /// Rates that each mode gives, device against host: they may round a target in two ways.
 TEST_F(TessellatorTest, ModesMeasureAsOnTheHost) {
     const TestMesh shape = limn::test::make_messy_torus(10, 8, 2);

@@ -38,6 +38,10 @@ const uint kTessOutputNormal = 1;   // position, and a unit normal
 const uint kTessOutputPlace = 2;    // ptex face, u, v, and the leaf: its kind and, shifted by 8, its level
 const uint kTessOutputTangent = 3;  // x y z, and the sign of the bitangent
 
+// Outputs of tess_triangles, bits.
+const uint kTessFacesOfTriangles = 1;
+const uint kTessClockwise = 2;
+
 // Culling, bits.
 const uint kTessCullOutside = 1;
 const uint kTessCullBackfaces = 2;

@@ -285,7 +285,9 @@ Result<void> TessellationPreparation::add_triangles() {
         p.payload[2] = word(faces);
         p.payload[4] = word(static_cast<uint32_t>(first));
         p.payload[5] = word(static_cast<uint32_t>(first + count));
-        auto made = dispatch(kTessTrianglesKernel, *set, uint64_t{table().face_count} * lanes_of_faces, p, 0, has_faces,
+        const uint32_t output =
+            (has_faces ? shared::kTessFacesOfTriangles : 0) | (info.clockwise ? shared::kTessClockwise : 0);
+        auto made = dispatch(kTessTrianglesKernel, *set, uint64_t{table().face_count} * lanes_of_faces, p, 0, output,
                              lanes_of_faces);
         if (!made) return made.error();
         out.triangles.push_back(*made);

@@ -72,6 +72,7 @@ struct TessellationInfo {
     HeightTexture height_texture = {};
 
     WordBuffer indices = {};         ///< 3 * triangle_capacity words
+    bool clockwise = false;          ///< triangles run against the faces of the control mesh, which are counter-clockwise
     WordBuffer triangle_faces = {};  ///< optional: triangle_capacity words, the ptex face of each triangle
     WordBuffer command = {};         ///< one VkDrawIndexedIndirectCommand
     WordBuffer result = {};          ///< optional: a TessellationResult
