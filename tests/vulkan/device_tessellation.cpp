@@ -49,6 +49,14 @@ void TessellatorTest::SetUp() {
     ASSERT_NE(tessellator_, nullptr);
 }
 
+void TessellatorTest::pretend_gpu() {
+    VulkanTest::pretend_gpu();
+    gpu_surfaces_.emplace(*SurfaceEvaluator::create(device()));
+    gpu_tessellator_.emplace(*Tessellator::create(device()));
+    surfaces_ = &*gpu_surfaces_;
+    tessellator_ = &*gpu_tessellator_;
+}
+
 TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMesh& shape,
                                                        const TessellationRequest& request) {
     TessellatedShape out;

@@ -57,8 +57,15 @@ class TessellatorTest : public VulkanTest {
     void SetUp() override;
     TessellatedShape tessellate_on_device(const limn::test::TestMesh& shape, const TessellationRequest& request);
 
+    /// As VulkanTest's, with evaluators of its own.
+    void pretend_gpu();
+
     const SurfaceEvaluator* surfaces_ = nullptr;
     const Tessellator* tessellator_ = nullptr;
+
+  private:
+    std::optional<SurfaceEvaluator> gpu_surfaces_;
+    std::optional<Tessellator> gpu_tessellator_;
 };
 
 /// The same by limn::tessellate, with the rates that the device had.

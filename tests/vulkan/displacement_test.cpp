@@ -9,17 +9,12 @@
 
 #include "limn/shared/tess_steps.h"
 #include "shapes/random_mesh.h"
-#include "vulkan/device_tessellation.h"
+#include "vulkan/tessellation_parity.h"
 
 namespace limn::vk::test {
 namespace {
 
 using limn::test::TestMesh;
-
-double degrees_between(const float* a, const double* b) {
-    const double cosine = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / std::hypot(a[0], a[1], a[2]);
-    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-}
 
 /// Positions, normals, and the bits of seams; `heights` as the device had them.
 void expect_displaced_as_on_host(const TessellatedShape& t, double normal_degrees) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,10 +96,16 @@ class VulkanTest : public testing::Test {
         EXPECT_EQ(context_->validation_message_count(), messages_before_)
             << context_->first_validation_message();
     }
-    const Device& device() const { return context_->device(); }
+    const Device& device() const { return as_gpu_ ? *as_gpu_ : context_->device(); }
+    /// From here on the device is taken for one that is no CPU: kernels read storage buffers, uploads are staged.
+    void pretend_gpu() {
+        as_gpu_ = context_->device();
+        as_gpu_->properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_OTHER;
+    }
 
   private:
     const Context* context_ = nullptr;
+    std::optional<Device> as_gpu_;
     uint32_t messages_before_ = 0;
 };
 
