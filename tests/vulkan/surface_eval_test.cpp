@@ -26,6 +26,12 @@ struct Surface {
     double size, tolerance;
 };
 
+ControlMesh control_mesh(const TestMesh& mesh) {
+    auto control = ControlMesh::create(mesh.description());
+    EXPECT_TRUE(control) << mesh.name;
+    return std::move(control).value();
+}
+
 class SurfaceEval : public VulkanTest {
   protected:
     void SetUp() override {
@@ -61,6 +67,12 @@ class SurfaceEval : public VulkanTest {
         build_patch_points<double>(s.reference, std::vector<double>(control.begin(), control.end()), width,
                                    s.reference_points);
         return s;
+    }
+
+    Surface surface_of(const TestMesh& mesh) {
+        const ControlMesh control = control_mesh(mesh);
+        return make_surface(*build_patch_table<float>(control, {}), *build_patch_table<double>(control, {}),
+                            mesh.positions, 3);
     }
 
     template <class Record>
@@ -276,12 +288,6 @@ void SurfaceEval::check_grid(const Surface& s, uint32_t rate, const std::string&
     EXPECT_LE(worst_angle, 0.1) << name << " rate " << rate;
 }
 
-ControlMesh control_mesh(const TestMesh& mesh) {
-    auto control = ControlMesh::create(mesh.description());
-    EXPECT_TRUE(control) << mesh.name;
-    return std::move(control).value();
-}
-
 /// The step keeps the time short: shapes come in series, of which a device tells no difference.
 std::vector<TestMesh> some_shapes(size_t step) {
     std::vector<TestMesh> all = limn::test::all_shapes(), result;
@@ -291,9 +297,7 @@ std::vector<TestMesh> some_shapes(size_t step) {
 
 TEST_F(SurfaceEval, samples_equal_the_surface_in_double) {
     for (const TestMesh& mesh : some_shapes(9)) {
-        const ControlMesh control = control_mesh(mesh);
-        const Surface s = make_surface(*build_patch_table<float>(control, {}),
-                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        const Surface s = surface_of(mesh);
         check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
     }
 }
@@ -302,9 +306,7 @@ TEST_F(SurfaceEval, grids_equal_the_surface_in_double) {
     constexpr uint32_t rates[] = {1, 2, 5, 8};  // few: each needs pipelines of its own
     uint32_t next = 0;
     for (const TestMesh& mesh : some_shapes(9)) {
-        const ControlMesh control = control_mesh(mesh);
-        const Surface s = make_surface(*build_patch_table<float>(control, {}),
-                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        const Surface s = surface_of(mesh);
         check_grid(s, rates[next++ % 4], mesh.name);
     }
 }
@@ -312,12 +314,22 @@ TEST_F(SurfaceEval, grids_equal_the_surface_in_double) {
 TEST_F(SurfaceEval, random_meshes_equal_the_surface_in_double) {
     for (uint64_t seed = 0; seed < 60; ++seed) {
         const TestMesh mesh = limn::test::random_mesh(seed);
-        const ControlMesh control = control_mesh(mesh);
-        const Surface s = make_surface(*build_patch_table<float>(control, {}),
-                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        const Surface s = surface_of(mesh);
         if (s.table.ptex_surfaces.empty()) continue;
         check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
         check_grid(s, 4, mesh.name);
+    }
+}
+
+// The kernels that devices other than CPUs run.
+TEST_F(SurfaceEval, storage_buffers_are_as_texel_buffers) {
+    pretend_gpu();
+    const SurfaceEvaluator own = *SurfaceEvaluator::create(device());
+    evaluator_ = &own;
+    for (const TestMesh& mesh : some_shapes(120)) {
+        const Surface s = surface_of(mesh);
+        check_samples(s, scattered_samples(s.table), Derivatives::second, mesh.name);
+        check_grid(s, 5, mesh.name);
     }
 }
 
@@ -326,9 +338,7 @@ TEST_F(SurfaceEval, large_valences_equal_the_surface_in_double) {
     for (const TestMesh& mesh : {limn::test::make_quad_star(40, 2), limn::test::make_triangle_star(60, 2)}) {
         TestMesh loop = mesh;
         if (mesh.face_sizes[0] == 3) loop.options.scheme = Scheme::loop;
-        const ControlMesh control = control_mesh(loop);
-        const Surface s = make_surface(*build_patch_table<float>(control, {}),
-                                       *build_patch_table<double>(control, {}), mesh.positions, 3);
+        const Surface s = surface_of(loop);
         EXPECT_GT(s.device_table.max_ring_size, 64u);
         check_samples(s, scattered_samples(s.table), Derivatives::first, "star");
         check_grid(s, 4, "star");
@@ -501,9 +511,7 @@ TEST_F(SurfaceEval, normals_of_degenerate_surfaces_are_unit_vectors) {
     TestMesh point = limn::test::make_cube();
     std::fill(point.positions.begin(), point.positions.end(), 1.0f);
     for (const TestMesh& degenerate : {mesh, point}) {
-        const ControlMesh control = control_mesh(degenerate);
-        const Surface s = make_surface(*build_patch_table<float>(control, {}),
-                                       *build_patch_table<double>(control, {}), degenerate.positions, 3);
+        const Surface s = surface_of(degenerate);
         const GridTable grid = *build_grid_table(s.table, {.rate = 4});
         const DeviceGridTable device_grid = *upload_grid_table(device(), grid);
         const size_t count = grid.sample_count();
