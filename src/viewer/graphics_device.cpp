@@ -3,88 +3,16 @@
 #include <vulkan/vulkan.h>
 
 #include <cstring>
-#include <mutex>
+
+#include "limn/vulkan/instance.h"
 
 namespace limn::viewer {
 namespace {
 
-constexpr char kValidationLayer[] = "VK_LAYER_KHRONOS_validation";
-
-/// What the validation layer said. Messages may come from any thread.
-struct Messages {
-    std::mutex mutex;
-    uint32_t count = 0;
-    std::string first;
-};
-
-VKAPI_ATTR VkBool32 VKAPI_CALL receive_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
-                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-    Messages& messages = *static_cast<Messages*>(user);
-    const std::lock_guard lock(messages.mutex);
-    if (messages.count++ == 0) messages.first = data->pMessage;
-    return VK_FALSE;
-}
-
-VkDebugUtilsMessengerCreateInfoEXT messenger_info(Messages* messages) {
-    VkDebugUtilsMessengerCreateInfoEXT info = {};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
-    info.messageSeverity =
-        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-    info.messageType =
-        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-    info.pfnUserCallback = receive_message;
-    info.pUserData = messages;
-    return info;
-}
-
-bool is_layer_installed(const char* name) {
-    uint32_t count = 0;
-    if (vkEnumerateInstanceLayerProperties(&count, nullptr) != VK_SUCCESS) return false;
-    std::vector<VkLayerProperties> layers(count);
-    if (count != 0 && vkEnumerateInstanceLayerProperties(&count, layers.data()) < VK_SUCCESS) return false;
-    for (const VkLayerProperties& layer : layers)
-        if (std::strcmp(layer.layerName, name) == 0) return true;
-    return false;
-}
-
-/// `messages` receives what validation has to say, and is null without it.
-Result<VkInstance> create_instance(const GraphicsDeviceOptions& options, Messages* messages) {
-    VkApplicationInfo application = {};
-    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
-    application.pApplicationName = "limn";
-    application.apiVersion = VK_API_VERSION_1_2;
-    const VkValidationFeatureEnableEXT feature = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    VkValidationFeaturesEXT features = {};
-    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
-    features.enabledValidationFeatureCount = 1;
-    features.pEnabledValidationFeatures = &feature;
-    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(messages);
-    messenger.pNext = &features;
-    const char* const layer = kValidationLayer;
-    std::vector<const char*> extensions = options.instance_extensions;
-    VkInstanceCreateInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-    info.pApplicationInfo = &application;
-    if (messages != nullptr) {
-        if (!is_layer_installed(kValidationLayer))
-            return Error{ErrorCode::unsupported, std::string("validation was asked for, but ") +
-                                                     kValidationLayer + " is not installed"};
-        info.pNext = &messenger;
-        info.enabledLayerCount = 1;
-        info.ppEnabledLayerNames = &layer;
-        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
-    }
-    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
-    info.ppEnabledExtensionNames = extensions.data();
-    VkInstance instance = VK_NULL_HANDLE;
-    const VkResult result = vkCreateInstance(&info, nullptr, &instance);
-    if (result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_EXTENSION_NOT_PRESENT)
-        return Error{ErrorCode::no_device, result == VK_ERROR_INCOMPATIBLE_DRIVER
-                                               ? "there is no Vulkan driver"
-                                               : "no Vulkan driver here can show pictures in a window"};
-    if (result != VK_SUCCESS) return vk::vulkan_error("vkCreateInstance", result);
+Result<vk::Instance> create_instance(const GraphicsDeviceOptions& options) {
+    auto instance = vk::create_instance(vkGetInstanceProcAddr, options.instance_extensions, options.validation);
+    if (!instance && instance.error().vk_result == VK_ERROR_EXTENSION_NOT_PRESENT)
+        return Error{ErrorCode::no_device, "no Vulkan driver here can show pictures in a window"};
     return instance;
 }
 
@@ -196,26 +124,11 @@ Result<VkDevice> create_device(const Candidate& candidate, bool swapchain) {
 }  // namespace
 
 struct GraphicsDevice::Owned {
-    Messages messages;
-    VkInstance instance = VK_NULL_HANDLE;
-    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    vk::Instance instance;
     VkDevice device = VK_NULL_HANDLE;
-
-    Result<void> create_messenger() {
-        const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-            vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
-        const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(&messages);
-        if (const VkResult result = create(instance, &info, nullptr, &messenger); result != VK_SUCCESS)
-            return vk::vulkan_error("vkCreateDebugUtilsMessengerEXT", result);
-        return {};
-    }
 
     ~Owned() {
         if (device != VK_NULL_HANDLE) vkDestroyDevice(device, nullptr);
-        if (messenger != VK_NULL_HANDLE)
-            reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
-                instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger, nullptr);
-        if (instance != VK_NULL_HANDLE) vkDestroyInstance(instance, nullptr);
     }
 };
 
@@ -226,12 +139,10 @@ GraphicsDevice::~GraphicsDevice() = default;
 Result<GraphicsDevice> GraphicsDevice::create(const GraphicsDeviceOptions& options) {
     GraphicsDevice out;
     Owned& owned = *out.owned_;
-    const auto instance = create_instance(options, options.validation ? &owned.messages : nullptr);
+    auto instance = create_instance(options);
     if (!instance) return instance.error();
-    owned.instance = *instance;
-    if (options.validation)
-        if (auto created = owned.create_messenger(); !created) return created.error();
-    const auto candidates = inspect_all(options, owned.instance);
+    owned.instance = std::move(*instance);
+    const auto candidates = inspect_all(options, owned.instance.handle);
     if (!candidates) return candidates.error();
     const auto chosen = select(*candidates, options);
     if (!chosen) return chosen.error();
@@ -240,7 +151,7 @@ Result<GraphicsDevice> GraphicsDevice::create(const GraphicsDeviceOptions& optio
     owned.device = *device;
     out.has_tessellation_shader_ = chosen->has_tessellation_shader;
     vk::BorrowedHandles handles;
-    handles.instance = owned.instance;
+    handles.instance = owned.instance.handle;
     handles.physical_device = chosen->handle;
     handles.device = owned.device;
     handles.queue_family_index = *chosen->queue_family;
@@ -253,13 +164,11 @@ Result<GraphicsDevice> GraphicsDevice::create(const GraphicsDeviceOptions& optio
 }
 
 uint32_t GraphicsDevice::validation_message_count() const {
-    const std::lock_guard lock(owned_->messages.mutex);
-    return owned_->messages.count;
+    return owned_->instance.message_count();
 }
 
 std::string GraphicsDevice::first_validation_message() const {
-    const std::lock_guard lock(owned_->messages.mutex);
-    return owned_->messages.first;
+    return owned_->instance.first_message();
 }
 
 Result<void> GraphicsDevice::check_validation() const {

@@ -3,14 +3,12 @@
 #include <dlfcn.h>
 
 #include <cstring>
-#include <mutex>
 #include <optional>
-#include <utility>
+
+#include "limn/vulkan/instance.h"
 
 namespace limn::vk {
 namespace {
-
-constexpr char kValidationLayer[] = "VK_LAYER_KHRONOS_validation";
 
 /// The Vulkan loader, never unloaded; null when there is none.
 PFN_vkGetInstanceProcAddr load_loader() {
@@ -116,100 +114,6 @@ Result<uint32_t> select_device(const std::vector<DeviceInfo>& devices, uint32_t 
     return wanted;
 }
 
-/// What the validation layer said. Messages may come from any thread.
-struct Messages {
-    std::mutex mutex;
-    uint32_t count = 0;
-    std::string first;
-};
-
-VKAPI_ATTR VkBool32 VKAPI_CALL receive_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
-                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-    Messages& messages = *static_cast<Messages*>(user);
-    const std::lock_guard lock(messages.mutex);
-    if (messages.count++ == 0) messages.first = data->pMessage;
-    return VK_FALSE;
-}
-
-VkDebugUtilsMessengerCreateInfoEXT messenger_info(Messages* messages) {
-    VkDebugUtilsMessengerCreateInfoEXT info = {};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
-    info.messageSeverity =
-        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-    info.messageType =
-        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-    info.pfnUserCallback = receive_message;
-    info.pUserData = messages;
-    return info;
-}
-
-bool is_layer_installed(const Functions& functions, const char* name) {
-    const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceLayerProperties>(
-        functions.GetInstanceProcAddr(nullptr, "vkEnumerateInstanceLayerProperties"));
-    uint32_t count = 0;
-    if (enumerate == nullptr || enumerate(&count, nullptr) != VK_SUCCESS) return false;
-    std::vector<VkLayerProperties> layers(count);
-    if (count != 0 && enumerate(&count, layers.data()) < VK_SUCCESS) return false;
-    for (const VkLayerProperties& layer : layers)
-        if (std::strcmp(layer.layerName, name) == 0) return true;
-    return false;
-}
-
-/// `messages` receives what validation has to say, and is null without it.
-Result<VkInstance> create_instance(const Functions& functions, Messages* messages) {
-    const auto create =
-        reinterpret_cast<PFN_vkCreateInstance>(functions.GetInstanceProcAddr(nullptr, "vkCreateInstance"));
-    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                           .pNext = nullptr,
-                                           .pApplicationName = "limn",
-                                           .applicationVersion = 0,
-                                           .pEngineName = "limn",
-                                           .engineVersion = 0,
-                                           .apiVersion = VK_API_VERSION_1_2};
-    VkInstanceCreateInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-    info.pApplicationInfo = &application;
-
-    const VkValidationFeatureEnableEXT feature = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    VkValidationFeaturesEXT features = {};
-    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
-    features.enabledValidationFeatureCount = 1;
-    features.pEnabledValidationFeatures = &feature;
-    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(messages);
-    messenger.pNext = &features;
-    const char* const layer = kValidationLayer;
-    const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                      VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-    if (messages != nullptr) {
-        if (!is_layer_installed(functions, kValidationLayer))
-            return Error{ErrorCode::unsupported, std::string("validation was asked for, but ") +
-                                                     kValidationLayer + " is not installed"};
-        info.pNext = &messenger;
-        info.enabledLayerCount = 1;
-        info.ppEnabledLayerNames = &layer;
-        info.enabledExtensionCount = 2;
-        info.ppEnabledExtensionNames = extensions;
-    }
-    VkInstance instance = VK_NULL_HANDLE;
-    const VkResult result = create(&info, nullptr, &instance);
-    if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-        return Error{ErrorCode::no_device, "there is no Vulkan driver"};
-    if (result != VK_SUCCESS) return vulkan_error("vkCreateInstance", result);
-    return instance;
-}
-
-Result<VkDebugUtilsMessengerEXT> create_messenger(const Functions& functions, VkInstance instance,
-                                                  Messages* messages) {
-    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-        functions.GetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
-    const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(messages);
-    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
-    if (const VkResult result = create(instance, &info, nullptr, &messenger); result != VK_SUCCESS)
-        return vulkan_error("vkCreateDebugUtilsMessengerEXT", result);
-    return messenger;
-}
-
 Result<void> create_device(Device& device) {
     const float priority = 1;
     VkDeviceQueueCreateInfo queue = {};
@@ -248,18 +152,12 @@ Error vulkan_error(const char* call, VkResult result) {
 
 /// What create() made, destroyed in reverse.
 struct Context::Owned {
+    Instance instance;
     const Device* device = nullptr;
-    std::unique_ptr<Messages> messages;  ///< null without validation
-    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
 
     ~Owned() {
-        const Functions& functions = device->functions;
-        if (device->handle != VK_NULL_HANDLE && functions.DestroyDevice != nullptr)
-            functions.DestroyDevice(device->handle, nullptr);
-        if (messenger != VK_NULL_HANDLE)
-            reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(functions.GetInstanceProcAddr(
-                device->instance, "vkDestroyDebugUtilsMessengerEXT"))(device->instance, messenger, nullptr);
-        if (device->instance != VK_NULL_HANDLE) functions.DestroyInstance(device->instance, nullptr);
+        if (device->handle != VK_NULL_HANDLE && device->functions.DestroyDevice != nullptr)
+            device->functions.DestroyDevice(device->handle, nullptr);
     }
 };
 
@@ -277,12 +175,10 @@ Result<std::vector<DeviceInfo>> list_devices() {
     Functions functions;
     functions.GetInstanceProcAddr = load_loader();
     if (functions.GetInstanceProcAddr == nullptr) return no_loader();
-    const auto instance = create_instance(functions, nullptr);
+    const auto instance = create_instance(functions.GetInstanceProcAddr, {}, false);
     if (!instance) return instance.error();
-    load_instance_functions(functions, *instance);
-    Result<std::vector<DeviceInfo>> devices = describe_all(functions, *instance);
-    functions.DestroyInstance(*instance, nullptr);
-    return devices;
+    load_instance_functions(functions, instance->handle);
+    return describe_all(functions, instance->handle);
 }
 
 Result<Context> Context::create(const ContextOptions& options) {
@@ -290,20 +186,13 @@ Result<Context> Context::create(const ContextOptions& options) {
     Device& device = *context.device_;
     device.functions.GetInstanceProcAddr = load_loader();
     if (device.functions.GetInstanceProcAddr == nullptr) return no_loader();
-    auto messages = options.validation ? std::make_unique<Messages>() : nullptr;
-    const auto instance = create_instance(device.functions, messages.get());
+    auto instance = create_instance(device.functions.GetInstanceProcAddr, {}, options.validation);
     if (!instance) return instance.error();
-    device.instance = *instance;
+    device.instance = instance->handle;
     load_instance_functions(device.functions, device.instance);
     context.owned_ = std::make_unique<Owned>();
-    Owned& owned = *context.owned_;
-    owned.device = &device;
-    owned.messages = std::move(messages);
-    if (options.validation) {
-        const auto messenger = create_messenger(device.functions, device.instance, owned.messages.get());
-        if (!messenger) return messenger.error();
-        owned.messenger = *messenger;
-    }
+    context.owned_->instance = std::move(*instance);
+    context.owned_->device = &device;
 
     const auto infos = describe_all(device.functions, device.instance);
     if (!infos) return infos.error();
@@ -344,15 +233,11 @@ Result<Context> Context::borrow(const BorrowedHandles& handles) {
 }
 
 uint32_t Context::validation_message_count() const {
-    if (!owned_ || !owned_->messages) return 0;
-    const std::lock_guard lock(owned_->messages->mutex);
-    return owned_->messages->count;
+    return owned_ ? owned_->instance.message_count() : 0;
 }
 
 std::string Context::first_validation_message() const {
-    if (!owned_ || !owned_->messages) return {};
-    const std::lock_guard lock(owned_->messages->mutex);
-    return owned_->messages->first;
+    return owned_ ? owned_->instance.first_message() : std::string();
 }
 
 }  // namespace limn::vk
