@@ -1,5 +1,5 @@
 // What all tess_* kernels bind, and how they read it: through uniform texel buffers with LIMN_TEXEL, for CPU devices
-// (evaluator.cpp tells why).
+// (point_buffers.h tells why).
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "limn/shared/patch_basis.h"

@@ -1,5 +1,5 @@
 // What the stages of hardware tessellation bind, and how they read it: through uniform texel buffers with LIMN_TEXEL,
-// for CPU devices (evaluator.cpp tells why). LIMN_TRIANGLES: ptex faces are triangles, of Loop.
+// for CPU devices (point_buffers.h tells why). LIMN_TRIANGLES: ptex faces are triangles, of Loop.
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "limn/shared/patch_basis.h"

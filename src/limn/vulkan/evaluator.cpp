@@ -1,12 +1,11 @@
 #include "limn/vulkan/evaluator.h"
 
 #include <algorithm>
-#include <map>
-#include <mutex>
 #include <tuple>
 
 #include "limn/shared/stencil_eval_params.h"
 #include "limn/vulkan/pipeline.h"
+#include "limn/vulkan/point_buffers.h"
 #include "limn_kernels/stencil_eval.h"
 #include "limn_kernels/stencil_eval_texel.h"
 #include "limn_kernels/stencil_eval_texel4.h"
@@ -60,29 +59,14 @@ struct Dispatch {
     StencilEvalParams params = {};
 };
 
-uint64_t byte_of(const PointBuffer& points, uint64_t point, uint64_t component) {
-    return points.offset_bytes + 4 * (points.first + point * points.stride + component);
-}
-
-Error bad(const char* message) {
-    return {ErrorCode::invalid_argument, message};
-}
-
-Result<void> check_points(const PointBuffer& points, uint32_t width) {
-    if (points.buffer == VK_NULL_HANDLE) return bad("a buffer of points is null");
-    if (points.stride < width) return bad("points overlap: their stride is less than their width");
-    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
-    return {};
-}
-
 Result<void> check(const StencilEvaluationInfo& info) {
-    if (info.table == nullptr) return bad("there is no table to evaluate");
-    if (info.width == 0) return bad("points have no components");
+    if (info.table == nullptr) return bad_argument("there is no table to evaluate");
+    if (info.width == 0) return bad_argument("points have no components");
     for (const PointBuffer* points : {&info.source, &info.destination, &info.tangent1, &info.tangent2}) {
         const bool tangent = points == &info.tangent1 || points == &info.tangent2;
         if (tangent && points->buffer == VK_NULL_HANDLE) continue;
         if (tangent && !info.table->has_tangents)
-            return bad("tangents are asked for, but the table has none");
+            return bad_argument("tangents are asked for, but the table has none");
         if (auto checked = check_points(*points, info.width); !checked) return checked;
     }
     return {};
@@ -109,25 +93,11 @@ struct Evaluator::State {
     const Device* device = nullptr;
     Kernel kernels[kVariantCount];
     bool prefer_texel = false;
-    std::mutex mutex;  // guards pipelines
-    std::map<std::tuple<Variant, uint32_t, uint32_t, uint32_t>, VkPipeline> pipelines;
 
-    ~State() {
-        for (const auto& [key, pipeline] : pipelines)
-            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
-    }
-
-    Result<VkPipeline> pipeline(Variant variant, const StencilRun& run, uint32_t width) {
+    Result<VkPipeline> pipeline(Variant variant, const StencilRun& run, uint32_t width) const {
         const bool unrolled = run.kind == shared::kStencilRunShared || run.entry_count <= kMaxUnrolledEntries;
         const uint32_t constants[3] = {run.kind, unrolled ? run.entry_count : 0, width};
-        const std::lock_guard lock(mutex);
-        VkPipeline& pipeline = pipelines[{variant, constants[0], constants[1], constants[2]}];
-        if (pipeline == VK_NULL_HANDLE) {
-            auto created = create_pipeline(kernels[variant], constants);
-            if (!created) return created.error();
-            pipeline = *created;
-        }
-        return pipeline;
+        return kernels[variant].pipeline(constants);
     }
 
     BindingLimit limit(Variant variant, uint32_t binding) const {
@@ -365,13 +335,9 @@ Result<Evaluator> Evaluator::create(const Device& device) {
     Evaluator evaluator;
     State& state = *evaluator.state_;
     state.device = &device;
-    // llvmpipe reads a storage buffer lane by lane, each behind a branch; from a texel buffer it gathers
-    // without any. A Catmull-Clark step on lavapipe, 2 cores: plain CSR 20 M rows/s, runs in storage buffers
-    // 28, runs in texel buffers 53 to 105. Weights in push constants and unrolled entries are part of that:
-    // such loads are one scalar load each. GPUs read storage buffers, whose load units are wider than those
-    // of textures (not measured).
-    state.prefer_texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-                         device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+    // Weights in push constants and unrolled entries are part of what texel buffers gain: such loads are one scalar load
+    // each.
+    state.prefer_texel = reads_texels(device);
     const KernelInfo infos[kVariantCount] = {{kStencilEval, kStorageBindings, sizeof(StencilEvalParams)},
                                              {kStencilEvalTexel, kTexelBindings, sizeof(StencilEvalParams)},
                                              {kStencilEvalTexel4, kTexelBindings, sizeof(StencilEvalParams)}};

@@ -1,9 +1,18 @@
 #include "limn/vulkan/pipeline.h"
 
+#include <map>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 namespace limn::vk {
 
+struct Kernel::Pipelines {
+    std::mutex mutex;
+    std::map<std::vector<uint32_t>, VkPipeline> by_constants;
+};
+
+Kernel::Kernel() = default;
 Kernel::Kernel(Kernel&& other) noexcept {
     *this = std::move(other);
 }
@@ -13,12 +22,16 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(shader, other.shader);
     std::swap(set_layout, other.set_layout);
     std::swap(layout, other.layout);
+    std::swap(pipelines, other.pipelines);
     return *this;
 }
 
 Kernel::~Kernel() {
     if (device == nullptr) return;
     const Functions& functions = device->functions;
+    if (pipelines)
+        for (const auto& [constants, pipeline] : pipelines->by_constants)
+            functions.DestroyPipeline(device->handle, pipeline, nullptr);
     if (layout != VK_NULL_HANDLE) functions.DestroyPipelineLayout(device->handle, layout, nullptr);
     if (set_layout != VK_NULL_HANDLE)
         functions.DestroyDescriptorSetLayout(device->handle, set_layout, nullptr);
@@ -29,6 +42,7 @@ Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
     const Functions& functions = device.functions;
     Kernel kernel;
     kernel.device = &device;
+    kernel.pipelines = std::make_unique<Kernel::Pipelines>();
 
     VkShaderModuleCreateInfo shader = {};
     shader.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -63,6 +77,8 @@ Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
     return kernel;
 }
 
+namespace {
+
 Result<VkPipeline> create_pipeline(const Kernel& kernel, std::span<const uint32_t> constants) {
     std::vector<VkSpecializationMapEntry> entries;
     for (uint32_t i = 0; i < constants.size(); ++i)
@@ -84,6 +100,19 @@ Result<VkPipeline> create_pipeline(const Kernel& kernel, std::span<const uint32_
     const VkResult result = device.functions.CreateComputePipelines(device.handle, device.pipeline_cache, 1,
                                                                     &info, nullptr, &pipeline);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateComputePipelines", result);
+    return pipeline;
+}
+
+}  // namespace
+
+Result<VkPipeline> Kernel::pipeline(std::span<const uint32_t> constants) const {
+    const std::lock_guard lock(pipelines->mutex);
+    VkPipeline& pipeline = pipelines->by_constants[{constants.begin(), constants.end()}];
+    if (pipeline == VK_NULL_HANDLE) {
+        auto created = create_pipeline(*this, constants);
+        if (!created) return created.error();
+        pipeline = *created;
+    }
     return pipeline;
 }
 

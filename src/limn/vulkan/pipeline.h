@@ -1,6 +1,7 @@
 // A compute kernel: its shader, descriptor set layout and pipelines. Not part of the public interface.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "limn/vulkan/context.h"
@@ -13,24 +14,27 @@ struct KernelInfo {
     uint32_t push_constant_bytes = 0;
 };
 
-/// What all pipelines of a kernel share; move-only, destroyed with the device idle.
+/// A shader and its pipelines, one for each set of specialization constants that was asked for; move-only, destroyed with
+/// the device idle.
 struct Kernel {
+    struct Pipelines;
     const Device* device = nullptr;
     VkShaderModule shader = VK_NULL_HANDLE;
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
+    std::unique_ptr<Pipelines> pipelines;
 
-    Kernel() = default;
+    Kernel();
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
     ~Kernel();
+
+    /// With specialization constant i set to constants[i]; made at the first call, from any thread.
+    /// Errors: out_of_memory, vulkan_failure.
+    Result<VkPipeline> pipeline(std::span<const uint32_t> constants) const;
 };
 
 /// Errors: out_of_memory, vulkan_failure.
 Result<Kernel> create_kernel(const Device& device, const KernelInfo& info);
-
-/// The pipeline with specialization constant i set to constants[i]. The caller destroys it.
-/// Errors: out_of_memory, vulkan_failure.
-Result<VkPipeline> create_pipeline(const Kernel& kernel, std::span<const uint32_t> constants);
 
 }  // namespace limn::vk

@@ -37,6 +37,20 @@ Result<VkBufferView> create_view(const Device& device, const BoundBuffer& b) {
     return view;
 }
 
+Result<void> check_ranges(const VkPhysicalDeviceLimits& limits, std::span<const BoundBuffer> buffers) {
+    for (const BoundBuffer& b : buffers) {
+        const bool fours = b.format == VK_FORMAT_R32G32B32A32_SFLOAT || b.format == VK_FORMAT_R32G32B32A32_UINT;
+        const uint64_t most = b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                  ? limits.maxStorageBufferRange
+                                  : uint64_t{limits.maxTexelBufferElements} * (fours ? 16 : 4);
+        if (b.type != VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER && b.size_bytes > most)
+            return Error{ErrorCode::unsupported, "an evaluation needs " + std::to_string(b.size_bytes) +
+                                                     " bytes of one buffer at once, and the device binds " +
+                                                     std::to_string(most)};
+    }
+    return {};
+}
+
 }  // namespace
 
 Recording::~Recording() {
@@ -48,6 +62,7 @@ Recording::~Recording() {
 
 Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,
                                            std::span<const BoundBuffer> buffers) {
+    if (auto fits = check_ranges(device->properties.limits, buffers); !fits) return fits.error();
     auto pool = create_pool(*device, buffers);
     if (!pool) return pool.error();
     pools.push_back(*pool);

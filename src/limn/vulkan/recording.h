@@ -40,7 +40,7 @@ struct Recording {
     Recording& operator=(const Recording&) = delete;
     ~Recording();
 
-    /// Errors: out_of_memory, vulkan_failure.
+    /// Errors: unsupported (more of a buffer than the device binds at once), out_of_memory, vulkan_failure.
     Result<VkDescriptorSet> add_set(VkDescriptorSetLayout set_layout, std::span<const BoundBuffer> buffers);
 
     /// `group_count` workgroups, in two dimensions where one does not hold them.

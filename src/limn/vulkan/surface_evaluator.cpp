@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <map>
-#include <mutex>
 
 #include "limn/shared/grid_eval_params.h"
+#include "limn/vulkan/point_buffers.h"
 #include "limn/vulkan/recording.h"
 #include "limn_kernels/grid_eval.h"
 #include "limn_kernels/grid_eval_texel.h"
@@ -21,44 +20,29 @@ using shared::PatchEvalParams;
 enum KernelName : uint32_t { kGrid, kPatch, kKernelCount };
 constexpr uint32_t kMaxInvocations = 128;  // of a workgroup: what every device has
 
-Error bad(const char* message) {
-    return {ErrorCode::invalid_argument, message};
-}
-
-uint64_t byte_of(const PointBuffer& points, uint64_t point, uint64_t component) {
-    return points.offset_bytes + 4 * (points.first + point * points.stride + component);
-}
-
-Result<void> check_points(const PointBuffer& points, uint32_t width) {
-    if (points.buffer == VK_NULL_HANDLE) return bad("a buffer of points is null");
-    if (points.stride < width) return bad("points overlap: their stride is less than their width");
-    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
-    return {};
-}
-
 Result<void> check(const DevicePatchTable* patches, uint32_t width, const PointBuffer& points) {
-    if (patches == nullptr) return bad("there is no patch table to evaluate");
-    if (width < 1 || width > 4) return bad("points have 1 to 4 components here");
+    if (patches == nullptr) return bad_argument("there is no patch table to evaluate");
+    if (width < 1 || width > 4) return bad_argument("points have 1 to 4 components here");
     return check_points(points, width);
 }
 
 Result<void> check(const GridEvaluationInfo& info) {
     if (auto checked = check(info.patches, info.width, info.points); !checked) return checked;
-    if (info.grid == nullptr) return bad("there is no grid to evaluate");
-    if (info.grid->ptex_count != info.patches->ptex_count) return bad("the grid is of another patch table");
+    if (info.grid == nullptr) return bad_argument("there is no grid to evaluate");
+    if (info.grid->ptex_count != info.patches->ptex_count) return bad_argument("the grid is of another patch table");
     if (auto checked = check_points(info.values, info.width); !checked) return checked;
     const bool normals = info.normals.buffer != VK_NULL_HANDLE, du = info.du.buffer != VK_NULL_HANDLE,
                dv = info.dv.buffer != VK_NULL_HANDLE;
-    if (du != dv || (normals && du)) return bad("a grid gives normals, or both du and dv");
-    if ((normals || du) && info.grid->value_count != 3) return bad("the grid was built without derivatives");
-    if (normals && info.width != 3) return bad("normals are of points of three components");
+    if (du != dv || (normals && du)) return bad_argument("a grid gives normals, or both du and dv");
+    if ((normals || du) && info.grid->value_count != 3) return bad_argument("the grid was built without derivatives");
+    if (normals && info.width != 3) return bad_argument("normals are of points of three components");
     for (const PointBuffer* points : {&info.normals, &info.du, &info.dv})
         if (points->buffer != VK_NULL_HANDLE)
             if (auto checked = check_points(*points, info.width); !checked) return checked;
     return {};
 }
 
-/// How the kernels of a device read: through texel buffers on CPUs (evaluator.cpp tells why).
+/// How the kernels of a device read: through texel buffers or not (reads_texels).
 struct Reads {
     const VkPhysicalDeviceLimits& limits;
     bool texel;
@@ -74,20 +58,6 @@ struct Reads {
     BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
         begin -= begin % std::max<uint64_t>(8, limits.minStorageBufferOffsetAlignment);
         return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
-    }
-    Result<void> check(std::span<const BoundBuffer> buffers) const {
-        for (const BoundBuffer& b : buffers) {
-            const uint64_t most =
-                b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                    ? limits.maxStorageBufferRange
-                    : limits.maxTexelBufferElements * (b.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16ull : 4);
-            if (b.size_bytes > most)
-                return Error{ErrorCode::unsupported,
-                             "a surface evaluation needs " + std::to_string(b.size_bytes) +
-                                 " bytes of one buffer at once, and the device binds " +
-                                 std::to_string(most)};
-        }
-        return {};
     }
     /// Where component 0 of a point is in a bound buffer, in floats.
     static uint32_t base(const PointBuffer& points, uint64_t point, const BoundBuffer& bound) {
@@ -119,25 +89,12 @@ struct SurfaceEvaluator::State {
     Evaluator stencils;
     Kernel kernels[kKernelCount];
     bool texel = false;
-    std::mutex mutex;  // guards pipelines
-    std::map<std::pair<KernelName, std::vector<uint32_t>>, VkPipeline> pipelines;
 
     explicit State(Evaluator evaluator) : stencils(std::move(evaluator)) {}
-    ~State() {
-        for (const auto& [key, pipeline] : pipelines)
-            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
-    }
     Reads reads() const { return {device->properties.limits, texel}; }
 
-    Result<VkPipeline> pipeline(KernelName name, const std::vector<uint32_t>& constants) {
-        const std::lock_guard lock(mutex);
-        VkPipeline& pipeline = pipelines[{name, constants}];
-        if (pipeline == VK_NULL_HANDLE) {
-            auto created = create_pipeline(kernels[name], constants);
-            if (!created) return created.error();
-            pipeline = *created;
-        }
-        return pipeline;
+    Result<VkPipeline> pipeline(KernelName name, const std::vector<uint32_t>& constants) const {
+        return kernels[name].pipeline(constants);
     }
     Result<SurfaceEvaluation> prepare(const PatchEvaluationInfo& info, uint32_t values);
     void begin(KernelName name, uint32_t push_constant_bytes, Recording& recording) const {
@@ -159,8 +116,7 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
     evaluator.state_ = std::make_unique<State>(std::move(*stencils));
     State& state = *evaluator.state_;
     state.device = &device;
-    state.texel = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-                  device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+    state.texel = reads_texels(device);
     const VkDescriptorType read =
         state.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     std::vector<VkDescriptorType> grid(shared::kGridBindingCount, read),
@@ -185,7 +141,7 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
 }
 
 Result<StencilEvaluation> SurfaceEvaluator::prepare_points(const SurfacePointsInfo& info) const {
-    if (info.patches == nullptr) return bad("there is no patch table to evaluate");
+    if (info.patches == nullptr) return bad_argument("there is no patch table to evaluate");
     PointBuffer refined = info.points;
     refined.first += uint64_t{info.patches->first_refined} * info.points.stride;
     return state_->stencils.prepare({.table = &info.patches->points,
@@ -278,7 +234,6 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
         if (batch.pass != bound_pass) {
             bound_pass = batch.pass;
             bound = bind_grid(info, state_->reads(), batch.pass);
-            if (auto fits = state_->reads().check(bound); !fits) return fits.error();
             auto added = recording.add_set(state_->kernels[kGrid].set_layout, bound);
             if (!added) return added.error();
             set = *added;
@@ -301,11 +256,11 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInf
 namespace {
 
 Result<void> check(const SampleBuffer& samples, const PointBuffer& statuses) {
-    if (samples.buffer == VK_NULL_HANDLE) return bad("the buffer of samples is null");
-    if (samples.offset_bytes % 4 != 0) return bad("offset_bytes of samples is not a multiple of 4");
+    if (samples.buffer == VK_NULL_HANDLE) return bad_argument("the buffer of samples is null");
+    if (samples.offset_bytes % 4 != 0) return bad_argument("offset_bytes of samples is not a multiple of 4");
     if (statuses.buffer == VK_NULL_HANDLE) return {};
     if (statuses.stride != 1 || statuses.offset_bytes % 4 != 0)
-        return bad("statuses have a stride other than 1, or an offset that is not a multiple of 4");
+        return bad_argument("statuses have a stride other than 1, or an offset that is not a multiple of 4");
     return {};
 }
 
@@ -362,7 +317,7 @@ PatchEvalParams sample_params(const SampleJob& job, std::span<const BoundBuffer>
 }  // namespace
 
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_locations(const LocationInfo& info) const {
-    if (info.patches == nullptr) return bad("there is no patch table to evaluate");
+    if (info.patches == nullptr) return bad_argument("there is no patch table to evaluate");
     if (auto checked = check_points(info.places, 5); !checked) return checked.error();
     return state_->prepare(
         {.patches = info.patches, .samples = info.samples, .results = info.places, .statuses = info.statuses},
@@ -395,7 +350,6 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const PatchEvaluation
     for (uint64_t first = 0; first < info.samples.count; first += window) {
         const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);
         const std::vector<BoundBuffer> bound = bind_samples(job, reads(), first, end);
-        if (auto fits = reads().check(bound); !fits) return fits.error();
         auto set = recording.add_set(kernels[kPatch].set_layout, bound);
         if (!set) return set.error();
         recording.add_dispatch(*pipeline, *set,

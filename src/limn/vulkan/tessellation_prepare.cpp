@@ -10,19 +10,12 @@ namespace {
 constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
                    kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kFloatGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-Error bad(const char* message) {
-    return {ErrorCode::invalid_argument, message};
-}
-
-Result<void> check_points(const PointBuffer& points, uint32_t width, bool optional) {
-    if (points.buffer == VK_NULL_HANDLE) return optional ? Result<void>{} : bad("a buffer of points is null");
-    if (points.stride < width) return bad("points overlap: their stride is less than their width");
-    if (points.offset_bytes % 4 != 0) return bad("offset_bytes of points is not a multiple of 4");
-    return {};
+Result<void> check_optional(const PointBuffer& points, uint32_t width) {
+    return points.buffer != VK_NULL_HANDLE ? check_points(points, width) : Result<void>();
 }
 Result<void> check_words(const WordBuffer& words, bool optional) {
-    if (words.buffer == VK_NULL_HANDLE && !optional) return bad("a buffer is null");
-    if (words.offset_bytes % 4 != 0) return bad("the offset of a buffer is not a multiple of 4");
+    if (words.buffer == VK_NULL_HANDLE && !optional) return bad_argument("a buffer is null");
+    if (words.offset_bytes % 4 != 0) return bad_argument("the offset of a buffer is not a multiple of 4");
     return {};
 }
 
@@ -35,50 +28,50 @@ bool is_rates_only(const TessellationInfo& info) {
 Result<void> check_rates_only(const TessellationInfo& info) {
     for (const PointBuffer* points : {&info.normals, &info.places, &info.tangents, &info.previous_points,
                                       &info.previous_positions, &info.heights})
-        if (points->buffer != VK_NULL_HANDLE) return bad("there are outputs of vertices, but no positions");
+        if (points->buffer != VK_NULL_HANDLE) return bad_argument("there are outputs of vertices, but no positions");
     if (info.vertex_capacity != 0 || info.triangle_capacity != 0 || !info.channels.empty() ||
         info.height_texture.view != VK_NULL_HANDLE || info.triangle_faces.buffer != VK_NULL_HANDLE)
-        return bad("rates alone are asked for, but also what vertices or triangles have");
-    if (auto checked = check_points(info.points, 3, false); !checked) return checked;
+        return bad_argument("rates alone are asked for, but also what vertices or triangles have");
+    if (auto checked = check_points(info.points, 3); !checked) return checked;
     if (auto checked = check_words(info.result, true); !checked) return checked;
     return check_words(info.edge_rates, info.mode != RateMode::per_edge);
 }
 
 Result<void> check(const TessellationInfo& info) {
-    if (info.patches == nullptr || info.table == nullptr) return bad("there are no tables to tessellate");
-    if (info.table->face_count != info.patches->ptex_count) return bad("the tables are of different meshes");
+    if (info.patches == nullptr || info.table == nullptr) return bad_argument("there are no tables to tessellate");
+    if (info.table->face_count != info.patches->ptex_count) return bad_argument("the tables are of different meshes");
     if (is_rates_only(info)) return check_rates_only(info);
     const std::pair<const PointBuffer*, uint32_t> outputs[] = {
         {&info.normals, 3}, {&info.places, 4}, {&info.tangents, 4}, {&info.previous_points, 3},
         {&info.previous_positions, 3}};
     for (const auto& [points, width] : outputs)
-        if (auto checked = check_points(*points, width, true); !checked) return checked;
+        if (auto checked = check_optional(*points, width); !checked) return checked;
     for (const PointBuffer* points : {&info.points, &info.positions})
-        if (auto checked = check_points(*points, 3, false); !checked) return checked;
+        if (auto checked = check_points(*points, 3); !checked) return checked;
     if ((info.previous_points.buffer == VK_NULL_HANDLE) != (info.previous_positions.buffer == VK_NULL_HANDLE))
-        return bad("previous points and positions go together");
+        return bad_argument("previous points and positions go together");
     for (const WordBuffer* words : {&info.indices, &info.command})
         if (auto checked = check_words(*words, false); !checked) return checked;
     for (const WordBuffer* words : {&info.triangle_faces, &info.result})
         if (auto checked = check_words(*words, true); !checked) return checked;
     if (auto checked = check_words(info.edge_rates, info.mode != RateMode::per_edge); !checked) return checked;
-    if (auto checked = check_points(info.heights, 3, true); !checked) return checked;
+    if (auto checked = check_optional(info.heights, 3); !checked) return checked;
     const HeightTexture& texture = info.height_texture;
     bool has_tangent_channel = false, has_height_channel = texture.view == VK_NULL_HANDLE;
-    if (!has_height_channel && texture.sampler == VK_NULL_HANDLE) return bad("a texture of heights has no sampler");
+    if (!has_height_channel && texture.sampler == VK_NULL_HANDLE) return bad_argument("a texture of heights has no sampler");
     for (const TessellatedChannel& channel : info.channels) {
         if (channel.patches == nullptr || channel.channel >= info.table->channels.size())
-            return bad("there is no such channel");
-        if (channel.width < 1 || channel.width > 4) return bad("a channel has 1 to 4 components");
-        if (auto checked = check_points(channel.points, channel.width, false); !checked) return checked;
-        if (auto checked = check_points(channel.values, channel.width, true); !checked) return checked;
+            return bad_argument("there is no such channel");
+        if (channel.width < 1 || channel.width > 4) return bad_argument("a channel has 1 to 4 components");
+        if (auto checked = check_points(channel.points, channel.width); !checked) return checked;
+        if (auto checked = check_optional(channel.values, channel.width); !checked) return checked;
         has_tangent_channel |= channel.channel == info.tangent_channel && channel.width >= 2;
         has_height_channel |= channel.channel == texture.channel && channel.width >= 2;
     }
     if (!has_height_channel)
-        return bad("heights follow a channel of two components or more, which has to be among the channels");
+        return bad_argument("heights follow a channel of two components or more, which has to be among the channels");
     if (info.tangents.buffer != VK_NULL_HANDLE && info.tangent_channel != ~0u && !has_tangent_channel)
-        return bad("tangents follow a channel of two components or more, which has to be among the channels");
+        return bad_argument("tangents follow a channel of two components or more, which has to be among the channels");
     return {};
 }
 
@@ -114,6 +107,17 @@ struct TessellationPreparation {
         return {buffer, 0, bytes,
                 tessellator.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
     }
+    /// Floats of the caller's, `bytes` from byte `begin` on; `base` is where they begin in what is bound.
+    BoundBuffer read_floats(VkBuffer buffer, uint64_t begin, uint64_t bytes, uint32_t& base) const {
+        const VkPhysicalDeviceLimits& limits = device().properties.limits;
+        const uint64_t alignment = std::max<uint64_t>(16, tessellator.texel ? limits.minTexelBufferOffsetAlignment
+                                                                            : limits.minStorageBufferOffsetAlignment);
+        const uint64_t aligned = begin - begin % alignment;
+        base = static_cast<uint32_t>((begin - aligned) / 4);
+        BoundBuffer bound = read(buffer, begin + bytes - aligned, kFloats);
+        bound.offset_bytes = aligned;
+        return bound;
+    }
     /// `bytes` from byte `begin` of a buffer that is written; `base` is where they begin, in words of what is bound.
     BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t bytes, uint32_t& base) const {
         const uint64_t alignment = std::max<uint64_t>(4, device().properties.limits.minStorageBufferOffsetAlignment);
@@ -139,17 +143,6 @@ struct TessellationPreparation {
                                        first_out,
                                        second_out,
                                        read(out.words.handle, out.words.size_bytes, kWords)};
-        const VkPhysicalDeviceLimits& limits = device().properties.limits;
-        for (const BoundBuffer& b : buffers) {
-            const uint64_t element = b.format == kWordGroups || b.format == kFloatGroups ? 16 : 4;
-            const uint64_t most = b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                      ? limits.maxStorageBufferRange
-                                      : limits.maxTexelBufferElements * element;
-            if (b.size_bytes > most)
-                return Error{ErrorCode::unsupported, "a tessellation needs " + std::to_string(b.size_bytes) +
-                                                         " bytes of one buffer at once, and the device binds " +
-                                                         std::to_string(most)};
-        }
         const bool texture = second.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         Recording& sets = texture ? out.height_sets : out.sets;
         return sets.add_set(tessellator.kernels[texture ? kTessHeightKernel : kTessBudgetKernel].set_layout, buffers);
@@ -170,8 +163,9 @@ struct TessellationPreparation {
     }
     Result<Dispatch> dispatch(TessKernel kernel, VkDescriptorSet set, uint64_t invocations, const TessParams& p,
                               uint32_t mode = 0, uint32_t output = 0, uint32_t lanes = 1) {
-        auto pipeline = tessellator.pipeline(
-            kernel, {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output, lanes});
+        const uint32_t constants[] = {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output,
+                                      lanes};
+        auto pipeline = tessellator.kernels[kernel].pipeline(constants);
         if (!pipeline) return pipeline.error();
         const uint64_t groups = (invocations - 1) / shared::kTessWorkgroupSize + 1;
         return out.sets.make_dispatch(*pipeline, set, groups, p);
@@ -211,13 +205,9 @@ Result<void> TessellationPreparation::add_rates() {
     TessParams p = params(table().vertices.offsets);
     BoundBuffer second = local(0);
     if (given) {
-        const uint64_t alignment =
-            tessellator.texel ? std::max<uint64_t>(4, device().properties.limits.minTexelBufferOffsetAlignment)
-                              : device().properties.limits.minStorageBufferOffsetAlignment;
-        const uint64_t begin = info.edge_rates.offset_bytes, aligned = begin - begin % std::max<uint64_t>(alignment, 16);
-        second = read(info.edge_rates.buffer, begin + 4ull * table().rate_edge_count - aligned, kFloats);
-        second.offset_bytes = aligned;
-        p.payload[15] = word(static_cast<uint32_t>((begin - aligned) / 4));
+        uint32_t base = 0;
+        second = read_floats(info.edge_rates.buffer, info.edge_rates.offset_bytes, 4ull * table().rate_edge_count, base);
+        p.payload[15] = word(base);
     }
     const bool rates_only = is_rates_only(info);
     uint32_t command = shared::kNoFace, result = shared::kNoFace;
@@ -302,7 +292,7 @@ Result<void> TessellationPreparation::add_output(const VertexOutput& output, Sta
         const uint64_t end = std::min<uint64_t>(info.vertex_capacity, first + slice);
         uint32_t first_base = 0, second_base = 0;
         const auto bind = [&](const PointBuffer& points, uint32_t width, uint32_t& base) {
-            const uint64_t begin = points.offset_bytes + 4 * (points.first + first * points.stride);
+            const uint64_t begin = byte_of(points, first, 0);
             return write(points.buffer, begin, 4 * ((end - first - 1) * points.stride + width), base);
         };
         const BoundBuffer first_out = bind(output.first, output.first_width, first_base);
@@ -378,14 +368,9 @@ Result<void> TessellationPreparation::add_heights(const std::vector<uint32_t>& c
 
 Result<void> TessellationPreparation::add_displacement() {
     const bool normals = info.normals.buffer != VK_NULL_HANDLE;
-    const uint64_t begin = heights.offset_bytes + 4 * heights.first;
-    const VkPhysicalDeviceLimits& limits = device().properties.limits;
-    const uint64_t alignment = std::max<uint64_t>(16, tessellator.texel ? limits.minTexelBufferOffsetAlignment
-                                                                        : limits.minStorageBufferOffsetAlignment);
-    const uint64_t aligned = begin - begin % alignment;
     const uint64_t floats = (uint64_t{info.vertex_capacity} - 1) * heights.stride + 3;
-    BoundBuffer source = read(heights.buffer, begin + 4 * floats - aligned, kFloats);
-    source.offset_bytes = aligned;
+    uint32_t base = 0;
+    const BoundBuffer source = read_floats(heights.buffer, byte_of(heights, 0, 0), 4 * floats, base);
     return add_output({.kernel = kTessDisplaceKernel,
                        .output = normals ? shared::kTessOutputNormal : shared::kTessOutputValue,
                        .first = info.positions,
@@ -394,7 +379,7 @@ Result<void> TessellationPreparation::add_displacement() {
                        .second_width = 3,
                        .trees = table().vertices.offsets,
                        .second_source = source,
-                       .payload = {static_cast<uint32_t>((begin - aligned) / 4), heights.stride}},
+                       .payload = {base, heights.stride}},
                       out.displaced.vertices);
 }
 

@@ -3,10 +3,9 @@
 
 #include <array>
 #include <bit>
-#include <map>
-#include <mutex>
 #include <vector>
 
+#include "limn/vulkan/point_buffers.h"
 #include "limn/vulkan/recording.h"
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
@@ -49,35 +48,13 @@ struct Tessellation::State {
     void record_positions(VkCommandBuffer commands, const PositionPass& pass) const;
 };
 
-/// Settled data through texel buffers: evaluator.cpp tells why.
-inline bool reads_texels(const Device& device) {
-    return device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-           device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
-}
-
 struct Tessellator::State {
     const Device* device = nullptr;
     SurfaceEvaluator surfaces;
     Kernel kernels[kTessKernelCount];
     bool texel = false;
-    std::mutex mutex;  // guards pipelines
-    std::map<std::pair<TessKernel, std::array<uint32_t, 5>>, VkPipeline> pipelines;
 
     explicit State(SurfaceEvaluator evaluator) : surfaces(std::move(evaluator)) {}
-    ~State() {
-        for (const auto& [key, pipeline] : pipelines)
-            device->functions.DestroyPipeline(device->handle, pipeline, nullptr);
-    }
-    Result<VkPipeline> pipeline(TessKernel name, const std::array<uint32_t, 5>& constants) {
-        const std::lock_guard lock(mutex);
-        VkPipeline& pipeline = pipelines[{name, constants}];
-        if (pipeline == VK_NULL_HANDLE) {
-            auto created = create_pipeline(kernels[name], constants);
-            if (!created) return created.error();
-            pipeline = *created;
-        }
-        return pipeline;
-    }
 };
 
 }  // namespace limn::vk

@@ -6,10 +6,6 @@
 namespace limn::vk {
 namespace {
 
-Error bad(const char* message) {
-    return {ErrorCode::invalid_argument, message};
-}
-
 /// The camera's place in homogeneous coordinates: what all of x, y and w of clip space are zero at. w is 1, or 0 for
 /// one that is infinitely far, towards which xyz then point.
 std::array<float, 4> find_eye(const Camera& camera) {
@@ -130,7 +126,7 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
     settings.cull_backfaces = s.cull_backfaces;
     Result<void> checked = check_rate_settings(settings);
     if (checked && settings.max_rate > s.max_rate)
-        checked = bad("the largest rate is larger than that which the patch trees were built for");
+        checked = bad_argument("the largest rate is larger than that which the patch trees were built for");
     if (!checked) settings = {.max_rate = s.max_rate};  // kernels run, for what they leave, and must end
     const auto patched = [&](const Dispatch& dispatch, const auto& change) {
         Dispatch copy = dispatch;
