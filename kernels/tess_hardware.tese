@@ -90,23 +90,18 @@ float inner_point(uint rate, uint n, bool fractional, float at) {
     return n < 2 ? at : point_on_side(rate, fractional, uint(at * float(n) + 0.5));
 }
 
-// Rings around the middle of a triangle: locate_inner_vertex has them, too.
+// Rings around the middle of a triangle.
 void locate_on_ring(TessPattern p, out float u, out float v) {
     const vec3 c = gl_TessCoord;
     const uint n = p.columns, k = c.z <= min(c.x, c.y) ? 0 : c.x <= c.y ? 1 : 2;
-    const float third = 1.0 / 3.0, least = min(c.x, min(c.y, c.z));
+    const float least = min(c.x, min(c.y, c.z));
     const uint ring = uint(least * 1.5 * float(n) + 0.5);
-    u = third;
-    v = third;
+    u = 1.0 / 3.0;
+    v = u;
     if (2 * ring >= n) return;
-    const float even = 2 * third * float(ring) / float(n), along = k == 0 ? c.y : k == 1 ? c.z : c.x;
+    const float even = 2.0 / 3.0 * float(ring) / float(n), along = k == 0 ? c.y : k == 1 ? c.z : c.x;
     const uint i = ring + uint((along - even) / (1 - 3 * even) * float(n - 2 * ring) + 0.5);
-    const float first = point_on_side(p.column_rate, p.fractional, ring);
-    const float t = (point_on_side(p.column_rate, p.fractional, i) - first) / (1 - 2 * first);
-    const float near = 2 * third * first, far = 1 - 2 * near;
-    const float from = far + (near - far) * t, to = near + (far - near) * t;
-    u = k == 0 ? to : k == 1 ? from : near;
-    v = k == 0 ? near : k == 1 ? to : from;
+    locate_ring_point(p, ring, k, i, u, v);
 }
 
 Vertex inner_vertex(uint face, TessPattern p) {

@@ -10,11 +10,9 @@
 const uint kRowX = 0, kRowY = 4, kRowW = 8, kViewport = 12, kValue = 14, kGiven = 15;
 
 TessPoint edge_sample(uint edge, uint i) {
-    const uint word = edge_word(edge, 0);
-    const bool halves = (word & kRateEdgeHalves) != 0, second = halves && i > 2;
-    const uint row = side_row(word) + (second ? 1 : 0);
-    float u, v;
-    locate_on_row(row_word(row, 2), halves ? float(second ? i - 2 : i) * 0.5 : float(i) * 0.25, u, v);
+    float t, u, v;
+    const uint row = row_of_rate_sample(edge_word(edge, 0), i, t);
+    locate_on_row(row_word(row, 2), t, u, v);
     const vec3 p = tree_point(params.tree, row_word(row, 1), u, v);
     return TessPoint(p.x, p.y, p.z);
 }

@@ -3,14 +3,14 @@
 uint segments_of(uint rate) { return segment_count(rate, kFractional); }
 
 TessPattern pattern_of(uint face) {
-    uint rates[4] = uint[4](0, 0, 0, 0), halves = 0;
+    uint rates[4] = uint[4](0, 0, 0, 0), sides[4] = uint[4](0, 0, 0, 0);
     [[unroll]] for (uint k = 0; k < 4; ++k) {
         if (kTriangles != 0 && k == 3) break;
-        const uint side = face_word(face, k);
-        rates[k] = rate_of(row_word(side_row(side), 0));
-        if ((side & kSideHalves) != 0) halves |= 1u << k;
+        sides[k] = face_word(face, k);
+        rates[k] = rate_of(row_word(side_row(sides[k]), 0));
     }
-    return make_pattern(kTriangles != 0, kSpacing, rates[0], rates[1], rates[2], rates[3], halves);
+    return make_face_pattern(kTriangles != 0, kSpacing, sides[0], sides[1], sides[2], sides[3], rates[0], rates[1], rates[2],
+                             rates[3]);
 }
 
 bool is_drawn(uint face) { return SETTLED(drawn_at() + face) != 0; }

@@ -50,7 +50,5 @@ uint row_word(uint row, uint i) { return WORD(params.table.rows + kTessRowWords 
     layout(location = 7) patch direction uint patch_face;
 
 TessPattern pattern_of(uint side0, uint side1, uint side2, uint side3, uvec4 rates) {
-    const uint halves = ((side0 & kSideHalves) != 0 ? 1 : 0) | ((side1 & kSideHalves) != 0 ? 2 : 0) |
-                        ((side2 & kSideHalves) != 0 ? 4 : 0) | (kTriangles == 0 && (side3 & kSideHalves) != 0 ? 8 : 0);
-    return make_pattern(kTriangles != 0, params.spacing, rates.x, rates.y, rates.z, rates.w, halves);
+    return make_face_pattern(kTriangles != 0, params.spacing, side0, side1, side2, side3, rates.x, rates.y, rates.z, rates.w);
 }

@@ -8,9 +8,7 @@
 namespace limn::cli {
 namespace {
 
-struct Counts {
-    uint64_t vertices = 0, triangles = 0;
-};
+using Counts = TessellationCounts;
 
 constexpr uint64_t kMaxVertices = 0x7fffffff;  // of mesh writers
 // Of results, for a vertex and a triangle. The host takes more on the way: places, and values in double.
@@ -53,32 +51,6 @@ Result<void> check_size(const Counts& counts, bool texture, const vk::Device* de
                           : counts.vertices * kHostVertexBytes + counts.triangles * kHostTriangleBytes;
     if (bytes + on_the_way > memory) return refuse(bytes + on_the_way, memory, "this machine");
     return {};
-}
-
-/// As tessellate() will have them, in closed form.
-Counts count_tessellation(const TessellationTable& table, std::span<const uint32_t> rates,
-                          TessellationSpacing spacing) {
-    const bool fractional = spacing == TessellationSpacing::fractional,
-               triangles = table.options.scheme == Scheme::loop;
-    const auto rate_of = [&](uint32_t row) { return rates[table.rows[size_t{row} * shared::kTessRowWords]]; };
-    Counts counts{.vertices = table.corner_count};
-    for (uint32_t row = 0; row < table.row_count; ++row)
-        if (rate_of(row) != 0) counts.vertices += shared::segment_count(rate_of(row), fractional) - 1;
-    for (uint32_t f = 0; f < table.face_count; ++f) {
-        const uint32_t* sides = table.faces.data() + size_t{f} * shared::kTessFaceWords;
-        if (sides[0] == shared::kNoSide) continue;
-        uint32_t side_rates[4] = {}, halves = 0;
-        for (uint32_t k = 0; k < (triangles ? 3u : 4u); ++k) {
-            side_rates[k] = rate_of(shared::side_row(sides[k]));
-            if ((sides[k] & shared::kSideHalves) != 0) halves |= 1u << k;
-        }
-        const shared::TessPattern pattern =
-            shared::make_pattern(triangles, static_cast<uint32_t>(spacing), side_rates[0], side_rates[1],
-                                 side_rates[2], side_rates[3], halves);
-        counts.vertices += shared::inner_vertex_count(pattern);
-        counts.triangles += shared::triangle_count(pattern);
-    }
-    return counts;
 }
 
 struct HostRates {

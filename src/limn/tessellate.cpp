@@ -26,17 +26,12 @@ shared::RateCamera rate_camera(const Camera& camera) {
     return out;
 }
 
-bool is_measured(RateMode mode) {
-    return mode == RateMode::screen_length || mode == RateMode::pixel_error || mode == RateMode::chord_error;
-}
-
 /// Where sample i of a rate edge is.
 PatchSample rate_sample(const TessellationTable& table, const uint32_t* edge, uint32_t i) {
-    const bool halves = (edge[0] & shared::kRateEdgeHalves) != 0, second = halves && i > 2;
-    const size_t row = shared::side_row(edge[0]) + (second ? 1u : 0u);
+    double t = 0;
+    const size_t row = shared::row_of_rate_sample(edge[0], i, t);
     const uint32_t* words = table.rows.data() + row * shared::kTessRowWords;
     PatchSample sample = {words[1], 0, 0};
-    const double t = halves ? (second ? i - 2 : i) / 2.0 : i / 4.0;
     shared::locate_on_row(words[2], t, sample.u, sample.v);
     return sample;
 }
@@ -51,15 +46,14 @@ Face face_of(const TessellationTable& table, std::span<const uint32_t> rates, Te
     const uint32_t* sides = table.faces.data() + size_t{f} * shared::kTessFaceWords;
     const bool triangle = table.options.scheme == Scheme::loop;
     if (sides[0] == shared::kNoSide) return {sides, {}, false};
-    uint32_t side_rates[4] = {}, halves = 0;
+    uint32_t r[4] = {};
     for (uint32_t k = 0; k < (triangle ? 3u : 4u); ++k) {
-        side_rates[k] = rates[table.rows[size_t{shared::side_row(sides[k])} * shared::kTessRowWords]];
-        if (side_rates[k] == 0) return {sides, {}, false};
-        if ((sides[k] & shared::kSideHalves) != 0) halves |= 1u << k;
+        r[k] = rates[table.rows[size_t{shared::side_row(sides[k])} * shared::kTessRowWords]];
+        if (r[k] == 0) return {sides, {}, false};
     }
     return {sides,
-            shared::make_pattern(triangle, static_cast<uint32_t>(spacing), side_rates[0], side_rates[1],
-                                 side_rates[2], side_rates[3], halves),
+            shared::make_face_pattern(triangle, static_cast<uint32_t>(spacing), sides[0], sides[1], sides[2], sides[3], r[0],
+                                      r[1], r[2], r[3]),
             true};
 }
 
@@ -89,36 +83,32 @@ struct Tessellator {
         return is_live(row) ? shared::segment_count(row_rate(row), fractional()) - 1 : 0;
     }
 
-    Result<void> count(Tessellation& out);
+    TessellationCounts count();
     void place(Tessellation& out) const;
     void connect(uint32_t f, Tessellation& out) const;
     uint32_t index_of(const Face& face, uint32_t f, TessVertex v) const;
 };
 
-Result<void> Tessellator::count(Tessellation& out) {
-    uint64_t vertices = table.corner_count, triangles = 0;
+/// Offsets are right where the counts fit 32 bits.
+TessellationCounts Tessellator::count() {
+    TessellationCounts counts{table.corner_count, 0};
     offsets.drawn.resize(table.face_count);
-    for (uint32_t f = 0; f < table.face_count; ++f)
-        offsets.drawn[f] = face_of(table, rates, spacing, f).drawn ? 1 : 0;
-    for (uint32_t row = 0; row < table.row_count; ++row) {
-        offsets.rows.push_back(static_cast<uint32_t>(vertices));
-        vertices += row_size(row);
-    }
+    std::vector<uint32_t> inside(table.face_count, 0);
     for (uint32_t f = 0; f < table.face_count; ++f) {
-        offsets.faces.push_back(static_cast<uint32_t>(vertices));
-        offsets.triangles.push_back(static_cast<uint32_t>(triangles));
-        if (offsets.drawn[f] == 0) continue;
-        const TessPattern pattern = face_of(table, rates, spacing, f).pattern;
-        vertices += shared::inner_vertex_count(pattern);
-        triangles += shared::triangle_count(pattern);
-        if (vertices > kInvalidIndex || 3 * triangles > kInvalidIndex)
-            return Error{ErrorCode::too_large, "a tessellation of 2^32 vertices or indices"};
+        offsets.triangles.push_back(static_cast<uint32_t>(counts.triangles));
+        const Face face = face_of(table, rates, spacing, f);
+        if (!face.drawn) continue;
+        offsets.drawn[f] = 1;
+        inside[f] = shared::inner_vertex_count(face.pattern);
+        counts.triangles += shared::triangle_count(face.pattern);
     }
-    out.places.resize(vertices);
-    out.position_sources.resize(vertices);
-    out.indices.resize(3 * triangles);
-    out.triangle_faces.resize(triangles);
-    return {};
+    const auto place = [&](std::vector<uint32_t>& begins, uint32_t size) {
+        begins.push_back(static_cast<uint32_t>(counts.vertices));
+        counts.vertices += size;
+    };
+    for (uint32_t row = 0; row < table.row_count; ++row) place(offsets.rows, row_size(row));
+    for (const uint32_t size : inside) place(offsets.faces, size);
+    return counts;
 }
 
 void Tessellator::place(Tessellation& out) const {
@@ -273,18 +263,30 @@ Result<std::vector<uint32_t>> compute_rates(const PatchTable& patches, const Tes
                                 settings.mode == RateMode::per_edge ? edge_rates[e] : 0, settings.max_rate, camera, p[0],
                                 p[1], p[2], p[3], p[4]);
         rates[e] = shared::round_rate(target, scale, static_cast<uint32_t>(settings.spacing), settings.max_rate,
-                                      edge[0], is_measured(settings.mode), scale < 1 ? shared::rate_dither(e) : -1);
+                                      edge[0], shared::measures_edges(static_cast<uint32_t>(settings.mode)), scale < 1 ? shared::rate_dither(e) : -1);
     }
     return rates;
+}
+
+TessellationCounts count_tessellation(const TessellationTable& table, std::span<const uint32_t> rates,
+                                      TessellationSpacing spacing) {
+    assert(rates.size() >= table.rate_edge_count);
+    return Tessellator{table, rates, spacing}.count();
 }
 
 Result<Tessellation> tessellate(const TessellationTable& table, std::span<const uint32_t> rates,
                                 TessellationSpacing spacing) {
     if (rates.size() < table.rate_edge_count)
         return Error{ErrorCode::invalid_argument, "there are fewer rates than edges"};
-    Tessellation out;
     Tessellator tessellator{table, rates, spacing};
-    if (auto counted = tessellator.count(out); !counted) return counted.error();
+    const TessellationCounts counts = tessellator.count();
+    if (counts.vertices > kInvalidIndex || 3 * counts.triangles > kInvalidIndex)
+        return Error{ErrorCode::too_large, "a tessellation of 2^32 vertices or indices"};
+    Tessellation out;
+    out.places.resize(counts.vertices);
+    out.position_sources.resize(counts.vertices);
+    out.indices.resize(3 * counts.triangles);
+    out.triangle_faces.resize(counts.triangles);
     tessellator.place(out);
     for_each_index(table.face_count, [&](uint32_t f) { tessellator.connect(f, out); }, 64);
     return out;

@@ -68,7 +68,14 @@ struct Tessellation {
     std::vector<uint32_t> triangle_faces;   ///< the ptex face of each triangle
     uint32_t vertex_count() const { return static_cast<uint32_t>(places.size()); }
 };
-/// Errors: too_large (2^32 vertices or indices).
+/// How many there will be: closed forms of the rates, in time linear in the faces. `rates`: one per rate edge.
+struct TessellationCounts {
+    uint64_t vertices = 0, triangles = 0;
+};
+TessellationCounts count_tessellation(const TessellationTable& table, std::span<const uint32_t> rates,
+                                      TessellationSpacing spacing);
+
+/// Errors: invalid_argument (fewer rates than edges), too_large (2^32 vertices or indices).
 Result<Tessellation> tessellate(const TessellationTable& table, std::span<const uint32_t> rates,
                                 TessellationSpacing spacing);
 

@@ -53,5 +53,21 @@ LIMN_FN uint point_of_row(uint side, uint n, uint i, LIMN_INOUT(uint) row) {
     return second ? at - n / 2u : at;
 }
 
+// The pattern of a face with these sides, whose rows have these rates; the fourth of each counts for quads only.
+LIMN_FN TessPattern make_face_pattern(bool triangle, uint spacing, uint side0, uint side1, uint side2, uint side3, uint rate0,
+                                      uint rate1, uint rate2, uint rate3) {
+    const uint halves = (side0 / kSideHalves & 1u) | (side1 / kSideHalves & 1u) << 1u | (side2 / kSideHalves & 1u) << 2u |
+                        (triangle ? 0u : (side3 / kSideHalves & 1u) << 3u);
+    return make_pattern(triangle, spacing, rate0, rate1, rate2, rate3, halves);
+}
+
+// Edges are measured at this many places, evenly spaced from end to end: of which row, and where along it.
+const uint kRateSamples = 5;
+LIMN_FN uint row_of_rate_sample(uint edge_word, uint i, LIMN_INOUT(real) t) {
+    const bool halves = (edge_word & kRateEdgeHalves) != 0u, second = halves && i > 2u;
+    t = halves ? real(second ? i - 2u : i) / real(2) : real(i) / real(4);
+    return side_row(edge_word) + (second ? 1u : 0u);
+}
+
 LIMN_SHARED_END
 #endif

@@ -381,6 +381,17 @@ LIMN_FN void inner_triangle(TessPattern p, uint at, LIMN_INOUT(TessVertex) a, LI
     }
 }
 
+// Where point i of side k of the ring is that begins at point `ring` of a side; i from there on, too.
+LIMN_FN void locate_ring_point(TessPattern p, uint ring, uint k, uint i, LIMN_INOUT(real) u, LIMN_INOUT(real) v) {
+    const real third = real(1) / real(3), first = point_on_side(p.column_rate, p.fractional, ring);
+    const real t = (point_on_side(p.column_rate, p.fractional, i) - first) / (real(1) - real(2) * first);
+    // The ring's corners: `far` of the face's own corner, `near` of both others.
+    const real near = real(2) * third * first, far = real(1) - real(2) * near;
+    const real from = far + (near - far) * t, to = near + (far - near) * t;
+    u = k == 0u ? to : k == 1u ? from : near;
+    v = k == 0u ? near : k == 1u ? to : from;
+}
+
 // Where inner vertex `number` is.
 LIMN_FN void locate_inner_vertex(TessPattern p, uint number, LIMN_INOUT(real) u, LIMN_INOUT(real) v) {
     if (!p.triangle) {
@@ -394,20 +405,13 @@ LIMN_FN void locate_inner_vertex(TessPattern p, uint number, LIMN_INOUT(real) u,
         u = real(i) / real(p.columns);
         v = real(j) / real(p.columns);
     } else {
-        const real third = real(1) / real(3);
-        u = third;
-        v = third;
+        u = real(1) / real(3);
+        v = u;
         if (number == 0u) return;
         const uint d = (floor_sqrt((number - 1u) / 3u * 4u + 1u) + 1u) / 2u;
         const uint x = number - 1u - 3u * d * (d - 1u), k = x / (2u * d), i = x % (2u * d);
         const uint skip = p.columns / 2u - d;
-        const real first = point_on_side(p.column_rate, true, skip);
-        const real t = (point_on_side(p.column_rate, true, skip + i) - first) / (real(1) - real(2) * first);
-        // The ring's corners: `far` of the face's own corner, `near` of both others.
-        const real near = real(2) * third * first, far = real(1) - real(2) * near;
-        const real from = far + (near - far) * t, to = near + (far - near) * t;
-        u = k == 0u ? to : k == 1u ? from : near;
-        v = k == 0u ? near : k == 1u ? to : from;
+        locate_ring_point(p, skip, k, skip + i, u, v);
     }
 }
 

@@ -12,8 +12,11 @@ const uint kRatePixelError = 3;
 const uint kRateChordError = 4;
 const uint kRateDistance = 5;
 
-// Edges are measured at this many places, evenly spaced from end to end.
-const uint kRateSamples = 5;
+// The mode looks at the edge itself: sub-face edges, too, then get what they need. Else they get half of what whole edges
+// do.
+LIMN_FN bool measures_edges(uint mode) {
+    return mode == kRateScreenLength || mode == kRatePixelError || mode == kRateChordError;
+}
 
 struct TessPoint {
     real x, y, z;

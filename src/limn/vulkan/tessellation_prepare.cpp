@@ -231,8 +231,7 @@ Result<void> TessellationPreparation::add_rates() {
     const uint32_t culling = (info.cull_outside ? shared::kTessCullOutside : 0) |
                              (info.cull_backfaces ? shared::kTessCullBackfaces : 0);
     out.drawn = add(kTessDrawnKernel, faces, p, culling);
-    p.payload[0] = info.mode == RateMode::screen_length || info.mode == RateMode::pixel_error ||
-                   info.mode == RateMode::chord_error;
+    p.payload[0] = shared::measures_edges(static_cast<uint32_t>(info.mode));
     p.payload[4] = word(command);
     p.payload[5] = word(result);
     if (info.fit_capacity && !rates_only)
