@@ -55,15 +55,12 @@ void load_second_leaf(Leaf leaf, out vec4 points[16]) {
 }
 
 // Cubic B-splines or, of bilinear leaves, linear functions in the places of the first two.
-void side_basis(uint kind, float t, out vec4 f, out vec4 d) {
-    const float s = 1 - t;
-    const float sixth = 1.0 / 6.0;
-    f = vec4(s * s * s * sixth, (4 - 6 * t * t + 3 * t * t * t) * sixth, (4 - 6 * s * s + 3 * s * s * s) * sixth,
-             t * t * t * sixth);
-    d = vec4(-0.5 * s * s, 1.5 * t * t - 2 * t, 2 * s - 1.5 * s * s, 0.5 * t * t);
+void side_basis(uint kind, float t, out float f[4], out float d[4]) {
+    float second[4];
+    cubic_basis(t, f, d, second);
     if (kind == kNodeBilinear) {
-        f = vec4(s, t, 0, 0);
-        d = vec4(-1, 1, 0, 0);
+        f = float[4](1 - t, t, 0, 0);
+        d = float[4](-1, 1, 0, 0);
     }
 }
 
@@ -74,7 +71,7 @@ void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out 
     vec4 u = vec4(0), v = vec4(0);
     value = vec4(0);
     if (kTriangles == 0) {
-        vec4 a, da, b, db;
+        float a[4], da[4], b[4], db[4];
         side_basis(leaf.kind, leaf.at.u, a, da);
         side_basis(leaf.kind, leaf.at.v, b, db);
         [[unroll]] for (uint j = 0; j < 4; ++j) {
