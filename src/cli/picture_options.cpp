@@ -9,7 +9,6 @@
 namespace limn::cli {
 namespace {
 
-constexpr uint32_t kMostPixels = uint32_t{1} << 20;  // a side; devices say less
 constexpr const char* kColors[] = {"clay", "kind", "level", "curvature", "rate", "normals", "sides"};
 
 glm::vec3 linear_from_srgb(const glm::vec3& c) {
@@ -122,30 +121,6 @@ RateSettings rate_settings_of(const LookOptions& options) {
     for (const auto& choice : choices)
         if (choice.value) settings.mode = choice.mode, settings.value = *choice.value;
     return settings;
-}
-
-Result<VkExtent2D> parse_size(const std::string& text) {
-    VkExtent2D size = {};
-    const char *at = text.data(), *end = at + text.size();
-    const auto width = std::from_chars(at, end, size.width);
-    bool good = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-    if (good) {
-        const auto height = std::from_chars(width.ptr + 1, end, size.height);
-        good = height.ec == std::errc() && height.ptr == end;
-    }
-    if (!good || size.width - 1 >= kMostPixels || size.height - 1 >= kMostPixels)
-        return Error{ErrorCode::parse_error,
-                     "a size is WIDTHxHEIGHT, each at least one pixel, not '" + text + "'"};
-    return size;
-}
-
-void add_size_option(CLI::App& command, std::string& size) {
-    command.add_option("--size", size, "Pixels, WIDTHxHEIGHT")
-        ->check([](const std::string& text) {
-            const auto parsed = parse_size(text);
-            return parsed ? std::string() : parsed.error().message;
-        })
-        ->capture_default_str();
 }
 
 void add_graphics_device_option(CLI::App& command, DeviceOption& option) {

@@ -22,12 +22,6 @@ viewer::RenderSettings settings_of(const LookOptions& options, const viewer::Cam
 RateSettings rate_settings_of(const LookOptions& options);
 inline constexpr float kPixelError = 0.05f;
 
-/// WIDTHxHEIGHT, each 1 to 2^20. Errors: parse_error.
-Result<VkExtent2D> parse_size(const std::string& text);
-
-/// --size, checked by parse_size.
-void add_size_option(CLI::App& command, std::string& size);
-
 /// As add_device_option, but 'cpu' is a Vulkan device of type CPU: drawing takes one.
 void add_graphics_device_option(CLI::App& command, DeviceOption& option);
 uint32_t graphics_device_index(const DeviceOption& option);

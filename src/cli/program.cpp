@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <charconv>
 #include <cstdio>
 #include <map>
 
@@ -15,6 +16,7 @@ struct Choice {
     const char* name;
     T value;
 };
+constexpr uint32_t kMostPixels = uint32_t{1} << 20;  // a side; devices say less
 constexpr Choice<Scheme> kSchemes[] = {
     {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}};
 constexpr Choice<BoundaryInterpolation> kBoundaries[] = {
@@ -144,6 +146,30 @@ void add_device_option(CLI::App& command, DeviceOption& option) {
         ->capture_default_str();
     command.add_flag("--validation", option.validation,
                      "Run under the Khronos validation layer; any message is an error");
+}
+
+Result<PictureSize> parse_size(const std::string& text) {
+    PictureSize size;
+    const char *at = text.data(), *end = at + text.size();
+    const auto width = std::from_chars(at, end, size.width);
+    bool good = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+    if (good) {
+        const auto height = std::from_chars(width.ptr + 1, end, size.height);
+        good = height.ec == std::errc() && height.ptr == end;
+    }
+    if (!good || size.width - 1 >= kMostPixels || size.height - 1 >= kMostPixels)
+        return Error{ErrorCode::parse_error,
+                     "a size is WIDTHxHEIGHT, each at least one pixel, not '" + text + "'"};
+    return size;
+}
+
+void add_size_option(CLI::App& command, std::string& size) {
+    command.add_option("--size", size, "Pixels, WIDTHxHEIGHT")
+        ->check([](const std::string& text) {
+            const auto parsed = parse_size(text);
+            return parsed ? std::string() : parsed.error().message;
+        })
+        ->capture_default_str();
 }
 
 Progress::Progress() : visible_(isatty(STDERR_FILENO) != 0) {}

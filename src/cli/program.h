@@ -47,6 +47,15 @@ struct DeviceOption {
 };
 void add_device_option(CLI::App& command, DeviceOption& option);
 
+/// Pixels.
+struct PictureSize {
+    uint32_t width = 0, height = 0;
+};
+/// WIDTHxHEIGHT, each 1 to 2^20. Errors: parse_error.
+Result<PictureSize> parse_size(const std::string& text);
+/// --size, checked by parse_size.
+void add_size_option(CLI::App& command, std::string& size);
+
 /// A line on standard error that is rewritten as work goes on; nothing where that is no terminal.
 class Progress {
   public:

@@ -59,12 +59,12 @@ Result<Scene> build_scene(const Options& options, const viewer::GraphicsDevice& 
     if (!surface) return surface.error();
     const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
     const viewer::Bounds around = bounds_of(loaded.model.positions);
-    rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent);
+    rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent.width, extent.height);
     if (const auto done = surface->tessellate(rates); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
     const viewer::Renderer::View view = {viewer::Camera::frame(*bounds, camera, aspect), *bounds, settings};
-    rates.camera = viewer::rate_camera(view.camera, extent);
+    rates.camera = viewer::rate_camera(view.camera, extent.width, extent.height);
     if (options.hardware)
         if (auto prepared = surface->prepare({.mode = rates.mode, .hardware = true}); !prepared)
             return prepared.error();
@@ -137,7 +137,8 @@ int run(const Options& options) {
     {
         auto renderer = viewer::Renderer::create(graphics->device());
         if (!renderer) return fail(renderer.error());
-        if (auto sized = renderer->resize(*parse_size(options.size)); !sized) {
+        const PictureSize size = *parse_size(options.size);
+        if (auto sized = renderer->resize({size.width, size.height}); !sized) {
             fail(sized.error());
             return sized.error().code == ErrorCode::unsupported ? kBadUsage : kBadInput;
         }

@@ -15,7 +15,6 @@ namespace {
 
 constexpr const char* kEndings[] = {".obj", ".ply", ".glb"};
 constexpr uint32_t kDefaultMaxRate = 64;  // more where --rate asks for it
-constexpr float kLargestSize = 1 << 20;   // pixels a side
 constexpr float kLeast = 1e-6f, kMost = 1e6f;
 constexpr float kLeastLength = 1e-30f, kMostLength = 1e30f;  // models come in any unit
 
@@ -36,10 +35,6 @@ constexpr ModeOption kModes[] = {
      "By what length, in the model's units, edges may miss the surface"},
     {"--distance", RateMode::distance, kLeastLength, kMostLength,
      "The distance from the camera at which the rate is 1; it is 2 at half of that, and so on"}};
-
-struct Size {
-    float width, height;
-};
 
 struct Options {
     std::string model, output;
@@ -63,17 +58,6 @@ std::optional<Number> parse_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
     return number;
-}
-
-std::optional<Size> parse_size(const std::string& text) {
-    const size_t x = text.find('x');
-    if (x == text.npos) return std::nullopt;
-    const auto width = parse_number<uint32_t>(std::string_view(text).substr(0, x)),
-               height = parse_number<uint32_t>(std::string_view(text).substr(x + 1));
-    if (!width || !height) return std::nullopt;
-    const Size size = {static_cast<float>(*width), static_cast<float>(*height)};
-    const auto good = [](float side) { return side >= 1 && side <= kLargestSize; };
-    return good(size.width) && good(size.height) ? std::optional(size) : std::nullopt;
 }
 
 struct Culling {
@@ -105,16 +89,10 @@ Camera camera_of(const Options& options, std::span<const float> positions) {
         bounds.low = i == 0 ? point : glm::min(bounds.low, point);
         bounds.high = i == 0 ? point : glm::max(bounds.high, point);
     }
-    const Size size = *parse_size(options.size);
-    const float aspect = size.width / size.height;
-    const glm::mat4 clip_from_world =
-        viewer::Camera::frame(bounds, *viewer::parse_camera(options.camera), aspect).clip_from_world(aspect);
-    Camera camera;
-    camera.width = size.width;
-    camera.height = size.height;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) camera.matrix[4 * column + row] = clip_from_world[column][row];
-    return camera;
+    const PictureSize size = *parse_size(options.size);
+    const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
+    return viewer::rate_camera(viewer::Camera::frame(bounds, *viewer::parse_camera(options.camera), aspect), size.width,
+                               size.height);
 }
 
 RateSettings settings_of(const Options& options, std::span<const float> positions) {
@@ -283,12 +261,7 @@ void add_camera_options(CLI::App& command, Options& options) {
             return view ? std::string() : view.error().message;
         })
         ->capture_default_str();
-    command.add_option("--size", options.size, "Pixels that the camera has, WIDTHxHEIGHT")
-        ->check([](const std::string& text) {
-            return parse_size(text) ? std::string()
-                                    : "a size is WIDTHxHEIGHT, each at least one pixel, not '" + text + "'";
-        })
-        ->capture_default_str();
+    add_size_option(command, options.size);
     command
         .add_option(
             "--cull", options.cull,

@@ -27,7 +27,8 @@ struct Options {
 int run(const Options& options) {
     viewer::ViewOptions view;
     view.title = printable(options.model.substr(options.model.rfind('/') + 1));
-    view.size = *parse_size(options.size);
+    const PictureSize size = *parse_size(options.size);
+    view.size = {size.width, size.height};
     view.device_index = graphics_device_index(options.device);
     view.validation = options.device.validation;
     view.camera = camera_view(options.look);

@@ -114,4 +114,13 @@ glm::mat4 Camera::clip_from_world(float aspect) const {
     return projection * glm::lookAtRH(eye, target, glm::vec3(0, 1, 0));
 }
 
+limn::Camera rate_camera(const Camera& camera, uint32_t width, uint32_t height) {
+    limn::Camera out;
+    out.width = static_cast<float>(width);
+    out.height = static_cast<float>(height);
+    const glm::mat4 matrix = camera.clip_from_world(out.width / out.height);
+    for (int i = 0; i < 16; ++i) out.matrix[i] = matrix[i / 4][i % 4];
+    return out;
+}
+
 }  // namespace limn::viewer

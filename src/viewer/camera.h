@@ -6,6 +6,7 @@
 #include <string>
 
 #include "limn/result.h"
+#include "limn/tessellate.h"
 
 namespace limn::viewer {
 
@@ -41,6 +42,9 @@ struct Camera {
     /// Vulkan's clip space: y down, depth 0 to 1.
     glm::mat4 clip_from_world(float aspect) const;
 };
+
+/// The camera as rates see it, for a picture of so many pixels.
+limn::Camera rate_camera(const Camera& camera, uint32_t width, uint32_t height);
 
 /// To the direction with these angles, as CameraView has them.
 glm::vec3 direction_of(float azimuth, float elevation);

@@ -335,13 +335,4 @@ Result<Bounds> SurfaceMesh::measure() const {
     return bounds;
 }
 
-limn::Camera rate_camera(const Camera& camera, VkExtent2D extent) {
-    limn::Camera out;
-    out.width = static_cast<float>(extent.width);
-    out.height = static_cast<float>(extent.height);
-    const glm::mat4 matrix = camera.clip_from_world(out.width / out.height);
-    for (int i = 0; i < 16; ++i) out.matrix[i] = matrix[i / 4][i % 4];
-    return out;
-}
-
 }  // namespace limn::viewer

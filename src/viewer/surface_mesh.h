@@ -86,7 +86,4 @@ class SurfaceMesh {
     std::unique_ptr<State> state_;
 };
 
-/// The camera as rates see it.
-limn::Camera rate_camera(const Camera& camera, VkExtent2D extent);
-
 }  // namespace limn::viewer

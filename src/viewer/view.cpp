@@ -220,7 +220,7 @@ RateSettings Session::rates() const {
     settings.value = state_.rate_values[static_cast<int>(state_.rate_choice)];
     if (state_.rate_choice == RateChoice::chord_error) settings.value *= bounds_.radius();
     if (state_.rate_choice == RateChoice::uniform) settings.value = std::round(settings.value);
-    settings.camera = rate_camera(camera_, extent());
+    settings.camera = rate_camera(camera_, extent().width, extent().height);
     return settings;
 }
 

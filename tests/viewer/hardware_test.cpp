@@ -120,7 +120,7 @@ class Hardware : public test::ViewerTest {
                                                  .hardware = hardware,
                                                  .edge_rates = buffer.handle});
         EXPECT_TRUE(prepared) << prepared.error().message;
-        rates.camera = rate_camera(view_.camera, kSize);
+        rates.camera = rate_camera(view_.camera, kSize.width, kSize.height);
         const auto done = surface_->tessellate(rates);
         EXPECT_TRUE(done) << done.error().message;
         renderer_->set_scene(surface_->mesh(), surface_->control_lines());

@@ -354,7 +354,7 @@ TEST_F(Surfaces, HaveNoCracks) {
                 rates.value = mode == RateMode::chord_error   ? 0.003f
                               : mode == RateMode::pixel_error ? 0.2f
                                                               : 5;
-                rates.camera = rate_camera(view.camera, kSize);
+                rates.camera = rate_camera(view.camera, kSize.width, kSize.height);
                 ASSERT_TRUE(surface->tessellate(rates));
                 renderer_->set_scene(surface->mesh(), surface->control_lines());
                 const Picture picture = draw(*renderer_, view);
