@@ -77,6 +77,24 @@ bool has_edge_of_one_vertex(const ControlMesh& mesh) {
     return false;
 }
 
+bool all_rates_positive(std::span<const uint32_t> rates) {
+    return std::find(rates.begin(), rates.end(), 0u) == rates.end();
+}
+
+/// Vertices - edges + faces of what is drawn. Dividing faces and edges does not change it.
+int64_t euler_characteristic(const ControlMesh& mesh) {
+    const Topology base = build_topology(mesh);
+    std::vector<uint8_t> vertices(base.vertex_count, 0), edges(base.edge_count, 0);
+    int64_t faces = 0;
+    for (uint32_t f = 0; f < base.face_count; ++f) {
+        if (base.face_holes[f] != 0) continue;
+        ++faces;
+        for (const uint32_t v : base.vertices_of_face(f)) vertices[v] = 1;
+        for (const uint32_t e : base.edges_of_face(f)) edges[e] = 1;
+    }
+    return std::count(vertices.begin(), vertices.end(), 1) - std::count(edges.begin(), edges.end(), 1) + faces;
+}
+
 /// Of each ptex face: its triangles.
 std::vector<std::vector<uint32_t>> triangles_of_faces(const TessellationTable& table, const Tessellation& t) {
     std::vector<std::vector<uint32_t>> triangles(table.face_count);
@@ -159,6 +177,12 @@ std::string find_tessellation_fault(const ControlMesh& mesh, const TessellationT
             return "face " + std::to_string(f) + " has " + std::to_string(triangles[f].size()) + " triangles";
     bool all_drawn = true;
     for (uint32_t f = 0; f < table.face_count; ++f) all_drawn &= is_drawn(table, rates, f);
+    std::vector<uint8_t> points(t.places.size(), 0);
+    for (const uint32_t index : t.indices) points[t.position_sources[index]] = 1;
+    const int64_t euler = std::count(points.begin(), points.end(), 1) - static_cast<int64_t>(edges.size()) +
+                          static_cast<int64_t>(t.triangle_faces.size());
+    if (all_rates_positive(rates) && !balance_is_enough && euler != euler_characteristic(mesh))
+        return "the Euler characteristic is not the control mesh's";
     if (all_drawn && std::find(used.begin(), used.end(), 0) != used.end()) return "a vertex is in no triangle";
     return "";
 }

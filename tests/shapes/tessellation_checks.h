@@ -17,7 +17,7 @@ std::vector<uint32_t> random_rates(const ControlMesh& mesh, const TessellationTa
 // Empty, or what is wrong: with copies counted as what they copy, an edge must be used by one triangle for each
 // face that the control mesh has there, in that face's direction, and all other edges by two triangles of
 // opposite direction. Also: indices in range, counts by the closed form, triangles neither degenerate nor
-// inverted where their face lies flat, every vertex used.
+// inverted where their face lies flat, every vertex used, and the Euler characteristic of the control mesh.
 std::string find_tessellation_fault(const ControlMesh& mesh, const TessellationTable& table,
                                     std::span<const uint32_t> rates, TessellationSpacing spacing,
                                     const Tessellation& tessellation);

@@ -49,8 +49,8 @@ void TessellatorTest::SetUp() {
     ASSERT_NE(tessellator_, nullptr);
 }
 
-void TessellatorTest::pretend_gpu() {
-    VulkanTest::pretend_gpu();
+void TessellatorTest::pretend_gpu(uint32_t max_range) {
+    VulkanTest::pretend_gpu(max_range);
     gpu_surfaces_.emplace(*SurfaceEvaluator::create(device()));
     gpu_tessellator_.emplace(*Tessellator::create(device()));
     surfaces_ = &*gpu_surfaces_;

@@ -58,7 +58,7 @@ class TessellatorTest : public VulkanTest {
     TessellatedShape tessellate_on_device(const limn::test::TestMesh& shape, const TessellationRequest& request);
 
     /// As VulkanTest's, with evaluators of its own.
-    void pretend_gpu();
+    void pretend_gpu(uint32_t max_range = ~0u);
 
     const SurfaceEvaluator* surfaces_ = nullptr;
     const Tessellator* tessellator_ = nullptr;

@@ -58,6 +58,20 @@ TEST_F(TessellatorTest, StorageBuffersAreAsTexelBuffers) {
     }
 }
 
+// Vertices and triangles are written in slices where they are more than a device binds at once.
+TEST_F(TessellatorTest, SlicesAreAsOne) {
+    constexpr uint32_t range = 1 << 18;
+    pretend_gpu(range);
+    for (const TestMesh& shape : {limn::test::make_globe(6, 3), limn::test::make_torus(6, 4)}) {
+        TessellationRequest request = random_request(shape, TessellationSpacing::integer, 40, 2);
+        request.offset_words = 3;
+        const TessellatedShape t = tessellate_on_device(shape, request);
+        EXPECT_GT(24 * uint64_t{t.result.vertex_count}, range);
+        EXPECT_GT(12 * uint64_t{t.result.triangle_count}, range);
+        expect_as_on_host(t, TessellationSpacing::integer);
+    }
+}
+
 // The deepest that trees go.
 TEST_F(TessellatorTest, HighRatesAreAsOnTheHost) {
     for (const TestMesh& shape : {limn::test::make_globe(5, 1), limn::test::make_prism(5), limn::test::make_icosahedron()}) {

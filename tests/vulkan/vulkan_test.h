@@ -98,9 +98,12 @@ class VulkanTest : public testing::Test {
     }
     const Device& device() const { return as_gpu_ ? *as_gpu_ : context_->device(); }
     /// From here on the device is taken for one that is no CPU: kernels read storage buffers, uploads are staged.
-    void pretend_gpu() {
+    /// And so many bytes are all that it binds of a buffer at once.
+    void pretend_gpu(uint32_t max_range = ~0u) {
         as_gpu_ = context_->device();
         as_gpu_->properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_OTHER;
+        uint32_t& range = as_gpu_->properties.limits.maxStorageBufferRange;
+        range = std::min(range, max_range);
     }
 
   private:
