@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <random>
+#include <tuple>
 
 #include "limn/topology.h"
 #include "shapes/random_mesh.h"
@@ -279,6 +281,96 @@ TEST(Tessellate, RatesFollowTheMode) {
     // One scale for all: sums follow it although each rate is whole.
     const double full = sum(rates({.value = 8}));
     for (const double scale : {0.9, 0.77, 0.5}) EXPECT_NEAR(sum(rates({.value = 8}, scale)) / full, scale, 0.03);
+}
+
+/// Of segments along rows: how far the surface in the middle of a segment is from the segment, by `scale(point)`.
+std::vector<double> chord_errors(const Built& b, const std::vector<uint32_t>& rates,
+                                 const std::function<double(const double*)>& scale) {
+    std::vector<double> errors;
+    for (uint32_t row = 0; row < b.table.row_count; ++row) {
+        const uint32_t* words = b.table.rows.data() + size_t{row} * shared::kTessRowWords;
+        const uint32_t n = rates[words[0]] / shared::kRateOne;
+        std::vector<PatchSample> samples;
+        for (uint32_t i = 0; i <= 2 * n; ++i) {
+            PatchSample s = {words[1], 0, 0};
+            shared::locate_on_row(words[2], i / (2.0 * n), s.u, s.v);
+            samples.push_back(s);
+        }
+        std::vector<double> p(samples.size() * 3);
+        std::vector<SampleStatus> statuses(samples.size());
+        evaluate_patches(b.patches, samples, b.points, 3, Derivatives::none, p, statuses);
+        double worst = 0;
+        for (size_t i = 1; i < samples.size(); i += 2) {
+            // From the segment, not from its middle: the surface may be faster in one half.
+            double along[3], to[3], dot = 0, square = 0;
+            for (size_t k = 0; k < 3; ++k) {
+                along[k] = p[3 * i + 3 + k] - p[3 * i - 3 + k];
+                to[k] = p[3 * i + k] - p[3 * i - 3 + k];
+                dot += along[k] * to[k];
+                square += along[k] * along[k];
+            }
+            const double t = std::clamp(dot / square, 0.0, 1.0);
+            const double off = std::hypot(to[0] - t * along[0], to[1] - t * along[1], to[2] - t * along[2]);
+            worst = std::max(worst, off * scale(&p[3 * i]));
+        }
+        errors.push_back(worst);
+    }
+    return errors;
+}
+
+// What errors are in the end, not what they were computed to be: seldom above, and not far below.
+TEST(Tessellate, ErrorsAreWhatWasAskedFor) {
+    for (TestMesh shape : {make_globe(7, 5), make_torus(9, 7), make_triangle_globe(8, 5)}) {
+        if (std::ranges::all_of(shape.face_sizes, [](uint32_t n) { return n == 3; })) shape.options.scheme = Scheme::loop;
+        const Built b = build(shape);
+        const double size = shape.size();
+        Camera camera;
+        // Looks along -z from two sizes away; w is the distance.
+        const float f = 1.7f, away = static_cast<float>(2 * size);
+        const float matrix[16] = {f, 0, 0, 0, 0, -f, 0, 0, 0, 0, -1, -1, 0, 0, away, away};
+        std::copy_n(matrix, 16, camera.matrix);
+        camera.width = camera.height = 1000;
+        const auto pixels = [&](const double* p) { return f * 500 / (away - p[2]); };
+        const std::tuple<RateMode, float, std::function<double(const double*)>> modes[] = {
+            {RateMode::chord_error, static_cast<float>(1e-4 * size), [](const double*) { return 1.0; }},
+            {RateMode::pixel_error, 0.05f, pixels}};
+        for (const auto& [mode, value, scale] : modes) {
+            const auto rates = compute_rates(
+                b.patches, b.table, {.mode = mode, .value = value, .max_rate = 128, .camera = camera}, b.points);
+            ASSERT_TRUE(rates);
+            std::vector<double> errors = chord_errors(b, *rates, scale);
+            std::sort(errors.begin(), errors.end());
+            EXPECT_LT(errors[errors.size() * 9 / 10], 1.3 * value) << shape.name << static_cast<int>(mode);
+            EXPECT_LT(errors.back(), 3 * value) << shape.name << static_cast<int>(mode);
+            EXPECT_GT(errors[errors.size() / 2], 0.3 * value) << shape.name << static_cast<int>(mode);
+        }
+        // At a distance of w a rate of value / w.
+        const auto rates = compute_rates(b.patches, b.table,
+                                         {.mode = RateMode::distance,
+                                          .value = 20 * away,
+                                          .spacing = TessellationSpacing::fractional,
+                                          .max_rate = 128,
+                                          .camera = camera},
+                                         b.points);
+        ASSERT_TRUE(rates);
+        for (uint32_t e = 0; e < b.table.mesh_edge_count; ++e) {
+            const uint32_t* edge = b.table.rate_edges.data() + size_t{e} * shared::kRateEdgeWords;
+            const bool halves = (edge[0] & shared::kRateEdgeHalves) != 0;
+            double nearest = HUGE_VAL;
+            for (const uint32_t row : {shared::side_row(edge[0]), shared::side_row(edge[0]) + (halves ? 1u : 0u)})
+                for (const double t : {0.0, 0.5, 1.0}) {
+                    const uint32_t* words = b.table.rows.data() + size_t{row} * shared::kTessRowWords;
+                    PatchSample s = {words[1], 0, 0};
+                    shared::locate_on_row(words[2], t, s.u, s.v);
+                    double p[3];
+                    SampleStatus status;
+                    evaluate_patches(b.patches, {&s, 1}, b.points, 3, Derivatives::none, p, {&status, 1});
+                    nearest = std::min(nearest, away - p[2]);
+                }
+            const double rate = static_cast<double>((*rates)[e]) / shared::kRateOne * (halves ? 2 : 1);
+            EXPECT_NEAR(rate, 20 * away / nearest, 0.02 * rate) << "edge " << e;
+        }
+    }
 }
 
 }  // namespace
