@@ -173,6 +173,26 @@ double angle_between(const double* a, const double* b) {
     return std::acos(std::clamp(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], -1.0, 1.0)) * 180 / 3.14159265358979;
 }
 
+/// The largest angle between a triangle and the normals of its corners, degrees.
+double largest_normal_angle(const Built& b, const Tessellation& t) {
+    std::vector<double> positions(t.places.size() * 3), normals(positions.size());
+    evaluate_tessellation(b.patches, t, b.points, positions, normals);
+    double worst = 0;
+    for (size_t i = 0; i < t.indices.size(); i += 3) {
+        const double *p = &positions[3 * t.indices[i]], *q = &positions[3 * t.indices[i + 1]],
+                     *r = &positions[3 * t.indices[i + 2]];
+        double n[3];
+        for (int k = 0; k < 3; ++k) {
+            const int x = (k + 1) % 3, y = (k + 2) % 3;
+            n[k] = (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]);
+        }
+        const double length = std::hypot(n[0], n[1], n[2]);
+        for (double& x : n) x /= length;
+        for (size_t c = 0; c < 3; ++c) worst = std::max(worst, angle_between(n, &normals[3 * t.indices[i + c]]));
+    }
+    return worst;
+}
+
 // Beside a sharp crease each side has its own normal: no triangle's vertex normals are far from the triangle's own.
 TEST(Tessellate, CreasesHaveANormalForEachSide) {
     TestMesh cube = make_cube();
@@ -185,27 +205,32 @@ TEST(Tessellate, CreasesHaveANormalForEachSide) {
         const auto t = tessellate(b.table, rates, TessellationSpacing::integer);
         ASSERT_TRUE(t);
         EXPECT_EQ(t->vertex_count(), split ? 6 * 25u : 8 + 12 * 3 + 6 * 9u);
-        std::vector<double> positions(t->places.size() * 3), normals(positions.size());
-        evaluate_tessellation(b.patches, *t, b.points, positions, normals);
-        double worst = 0;
-        for (size_t i = 0; i < t->indices.size(); i += 3) {
-            const double *p = &positions[3 * t->indices[i]], *q = &positions[3 * t->indices[i + 1]],
-                         *r = &positions[3 * t->indices[i + 2]];
-            double n[3];
-            for (int k = 0; k < 3; ++k) {
-                const int x = (k + 1) % 3, y = (k + 2) % 3;
-                n[k] = (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]);
-            }
-            const double length = std::hypot(n[0], n[1], n[2]);
-            for (double& x : n) x /= length;
-            for (size_t c = 0; c < 3; ++c)
-                worst = std::max(worst, angle_between(n, &normals[3 * t->indices[i + c]]));
-        }
+        const double worst = largest_normal_angle(b, *t);
         if (split)
             EXPECT_LT(worst, 5);  // its faces are not quite flat
         else
             EXPECT_GT(worst, 80);
     }
+}
+
+// At a corner that stays sharp faces have no normal in common, even where they share an edge; one that fades is smooth.
+TEST(Tessellate, SharpCornersHaveANormalForEachFace) {
+    double angles[2];
+    for (const bool split : {true, false}) {
+        TestMesh cube = make_cube();
+        cube.add_corner(0, 10);
+        const Built b = build(cube, {.split_creases = split});
+        const std::vector<uint32_t> rates(b.table.rate_edge_count, 16 * shared::kRateOne);
+        const auto t = tessellate(b.table, rates, TessellationSpacing::integer);
+        ASSERT_TRUE(t);
+        EXPECT_EQ(b.table.corner_count, split ? 10u : 8u);
+        EXPECT_EQ(find_tessellation_fault(b.mesh, b.table, rates, TessellationSpacing::integer, *t), "");
+        angles[split ? 0 : 1] = largest_normal_angle(b, *t);
+    }
+    EXPECT_LT(angles[0], 0.6 * angles[1]);
+    TestMesh fading = make_cube();
+    fading.add_corner(0, 3);
+    EXPECT_EQ(build(fading).table.corner_count, 8u);
 }
 
 // On either side of a seam the channel has that side's values.
