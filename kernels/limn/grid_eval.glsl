@@ -8,21 +8,14 @@
 
 layout(local_size_x_id = 4) in;
 layout(constant_id = kGridGroupsConstant) const uint kGroups = 4;
-layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
-layout(constant_id = kGridWidthConstant) const uint kWidth = 3;
 layout(constant_id = kGridNarrowConstant) const uint kNarrow = 0;
 layout(constant_id = kGridValueCountConstant) const uint kValueCount = 3;
 layout(constant_id = kGridLoadsConstant) const uint kLoads = 1;
 layout(constant_id = kGridCornersConstant) const uint kCorners = kGridCornersFirst;
 layout(constant_id = kGridSurfacesConstant) const uint kSurfaces = 4;
-layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
-layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
-layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
-layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
-layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
-
+#include "limn/grid_store.glsl"
 const uint kMaxGroups = 8;
 const uint kRing = 4 * kGroups;
 const uint kTileWords = kGridTileHeader + kGridTileSurfaceWords * kSurfaces;
@@ -59,54 +52,12 @@ vec3 corner_normal(uint t) {
     return cross(ring_point(t, c).xyz - ring_point(t, a).xyz, ring_point(t, d).xyz - ring_point(t, b).xyz);
 }
 
-vec3 scaled(vec3 v) {
-    const vec3 size = abs(v);
-    const float largest = max(size.x, max(size.y, size.z));
-    return largest > 0 ? v / largest : vec3(0, 0, 1);
-}
-
-// A unit vector for any tangents.
-vec3 normal_of(vec3 du, vec3 dv, vec3 otherwise) {
-    const vec3 size = max(abs(du), abs(dv));
-    const float scale = 1 / max(max(size.x, max(size.y, size.z)), 1e-30);
-    const vec3 n = cross(du * scale, dv * scale);
-    // The squared sine of the angle between tangents, times their relative lengths: below this only rounding is left.
-    return normalize(dot(n, n) > 1e-13 ? n : otherwise);
-}
-
 // Values are relative to `origin`, the surface's first ring point, which matters where meshes lie far out.
 struct Sums {
     vec4 values[3];
     vec4 origin;
     vec3 otherwise;
 };
-
-void store(uint t, uint placement, uint out_sample, Sums sums) {
-    const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
-    const uint value_at = params.value_base + s * params.value_stride;
-    const uint second_at = params.second_base + s * params.second_stride;
-    const vec4 value = sums.values[0] + sums.origin;
-    vec3 n;
-    if (kOutput == kGridOutputNormal) n = normal_of(sums.values[1].xyz, sums.values[2].xyz, sums.otherwise);
-    if (kPaired != 0) {
-        value_pairs[value_at / 2] = value.xy;
-        value_pairs[value_at / 2 + 1] = vec2(value.z, n.x);
-        value_pairs[value_at / 2 + 2] = n.yz;
-        return;
-    }
-    for (uint c = 0; c < kWidth; ++c) values[value_at + c] = value[c];
-    if (kOutput == kGridOutputNormal) {
-        for (uint c = 0; c < 3; ++c) second[second_at + c] = n[c];
-    }
-    if (kOutput == kGridOutputDerivatives) {
-        const float uu = float(int(TILE_WORD(placement))), uv = float(int(TILE_WORD(placement + 1)));
-        const float vu = float(int(TILE_WORD(placement + 2))), vv = float(int(TILE_WORD(placement + 3)));
-        const vec4 du = sums.values[1] * uu + sums.values[2] * vu, dv = sums.values[1] * uv + sums.values[2] * vv;
-        const uint third_at = params.third_base + s * params.third_stride;
-        for (uint c = 0; c < kWidth; ++c) second[second_at + c] = du[c];
-        for (uint c = 0; c < kWidth; ++c) third[third_at + c] = dv[c];
-    }
-}
 
 // Loads ring points [first, first + kRing) and adds what they weigh.
 void add_ring(uint tile, uint surface_count, uint ring_size, uint first, uint weight,
@@ -159,6 +110,9 @@ void main() {
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         const uint placement = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 2];
         const uint out_sample = TILE_WORD(placement + kGridPlacementHeader + sample_index);
-        if (inside && t < surface_count && out_sample != kGridNoSample) store(t, placement, out_sample, sums[t]);
+        if (!inside || t >= surface_count || out_sample == kGridNoSample) continue;
+        const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
+        const float scale = unit_scale(max(abs(sums[t].values[1].xyz), abs(sums[t].values[2].xyz)));
+        store_sample(s, placement, sums[t].values[0] + sums[t].origin, sums[t].values[1], sums[t].values[2], sums[t].otherwise, scale);
     }
 }

@@ -6,51 +6,16 @@
 // one writes rows.
 #include "limn/compose.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
-#include <limits>
-#include <map>
 #include <vector>
 
-#include "limn/face_block.h"
-#include "limn/face_program.h"
-#include "limn/local_refinement.h"
-#include "limn/neighborhood.h"
+#include "limn/face_groups.h"
 #include "limn/parallel.h"
 
 namespace limn {
 namespace {
-
-/// A face as a member of a group of equal neighbourhoods.
-struct Member {
-    std::array<uint64_t, 2> hash;
-    uint32_t face;
-    Orientation orientation;
-};
-
-/// Everything that is the same for all groups.
-struct Job {
-    const Refinement& refinement;
-    ComposeOptions options;
-    std::vector<LevelCounts> counts;   ///< of levels 0 .. options.level
-    std::map<uint32_t, Block> blocks;  ///< by face size
-
-    const Topology& base() const { return refinement.levels[0]; }
-    const Block& block(uint32_t f) const { return blocks.at(base().size_of_face(f)); }
-    const Topology* uncut() const { return refinement.uncut.empty() ? nullptr : &refinement.uncut[0]; }
-    WalkOptions walk() const { return {base(), uncut(), with_tangents()}; }
-    bool with_tangents() const { return options.target == Target::limit_with_tangents; }
-};
-
-void write_member_program(const Job& job, const Member& member, Program& program) {
-    const std::vector<uint32_t>& targets = job.block(member.face).corners(member.orientation);
-    write_program(job.walk(), member.face, member.orientation, targets, job.options, program);
-}
 
 /// Rows of the targets over ring positions, zeros left out: what all members of a group copy.
 template <class Real>
@@ -86,39 +51,13 @@ void share_rows(const Supports& s, const Weights& w, SharedRows<Real>& out) {
             }
 }
 
-/// body(target, vertex) for the targets that face `member` owns. `vertices` is scratch.
-template <class Body>
-void for_each_owned(const Job& job, const Member& member, std::vector<uint32_t>& vertices, const Body& body) {
-    const Topology& base = job.base();
-    const uint32_t begin = base.face_begin(member.face), size = base.size_of_face(member.face);
-    const Block& block = job.block(member.face);
-    const std::vector<uint32_t>& corners = block.corners(member.orientation);
-    vertices_over_face(base, job.counts, job.options.level, member.face, vertices);
-    auto owns = [&](size_t i) {
-        if (block.places[i] == Place::inside) return true;
-        const Orientation& o = member.orientation;
-        // Edge j joins corners j and j + 1 of the walk, whichever way that goes.
-        const uint32_t side =
-            block.places[i] == Place::edge && o.mirrored ? block.sides[i] + 1 : block.sides[i];
-        const uint32_t c = begin + o.corner(side % size, size);
-        const uint32_t first = block.places[i] == Place::edge
-                                   ? base.corners_of_edge(base.face_edges[c])[0]
-                                   : base.corners_of_vertex(base.face_vertices[c])[0];
-        return base.face_of_corner(first) == member.face;
-    };
-    for (size_t i = 0; i < corners.size(); ++i)
-        if (owns(i)) body(i, vertices[corners[i]]);
-}
-
 template <class Real>
 void write_rows(const Job& job, const Member& member, const SharedRows<Real>& rows,
                 BasicStencilTable<Real>& table, Neighborhood& hood, std::vector<uint32_t>& vertices) {
-    walk_around(job.walk(), member.face, member.orientation, hood);
-    const Array<uint32_t>& map = job.refinement.control_indices;
-    if (!map.empty())
-        for (uint32_t& point : hood.ring) point = map[point];
+    find_member_ring(job, member, hood);
     const bool tangents = !table.tangent1_weights.empty();
-    for_each_owned(job, member, vertices, [&](size_t target, uint32_t v) {
+    for_each_target(job, member, vertices, [&](size_t target, uint32_t v, bool owned) {
+        if (!owned) return;
         const uint32_t first = rows.offsets[target], count = rows.offsets[target + 1] - first;
         const size_t at = table.offsets[v];
         for (uint32_t k = 0; k < count; ++k) {
@@ -128,76 +67,6 @@ void write_rows(const Job& job, const Member& member, const SharedRows<Real>& ro
         if (!tangents) return;
         std::copy_n(rows.tangent1.data() + first, count, table.tangent1_weights.data() + at);
         std::copy_n(rows.tangent2.data() + first, count, table.tangent2_weights.data() + at);
-    });
-}
-
-/// Faces ordered by neighbourhood, and where each group starts.
-struct Groups {
-    std::vector<Member> members;
-    std::vector<uint32_t> first;  ///< one more than groups
-    size_t largest_ring = 0;
-};
-
-/// Composed rows grow with the square of a valence; past this many faces around one face they are not worth
-/// having, and walks around faces would take that square of time, too.
-bool is_walkable(const Topology& t) {
-    constexpr size_t kMaxFacesAround = 16384;
-    for (uint32_t f = 0; f < t.face_count; ++f) {
-        size_t faces = 0;
-        for (const uint32_t v : t.vertices_of_face(f)) faces += t.corners_of_vertex(v).size();
-        if (faces > kMaxFacesAround) return false;
-    }
-    return true;
-}
-
-Groups group_faces(const Job& job) {
-    const Topology& base = job.base();
-    Groups groups;
-    groups.members.resize(base.face_count);
-    std::atomic<size_t> largest_ring{0};
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
-        Neighborhood hood;
-        size_t largest = 0;
-        for (uint32_t f = range.begin(); f != range.end(); ++f) {
-            groups.members[f].face = f;
-            groups.members[f].orientation = choose_orientation(job.walk(), f, hood, groups.members[f].hash);
-            largest = std::max(largest, hood.ring.size());
-        }
-        for (size_t seen = largest_ring;
-             seen < largest && !largest_ring.compare_exchange_weak(seen, largest);) {
-        }
-    });
-    groups.largest_ring = largest_ring;
-    tbb::parallel_sort(groups.members.begin(), groups.members.end(), [](const Member& a, const Member& b) {
-        return a.hash != b.hash ? a.hash < b.hash : a.face < b.face;
-    });
-    for (uint32_t i = 0; i < base.face_count; ++i)
-        if (i == 0 || groups.members[i].hash != groups.members[i - 1].hash) groups.first.push_back(i);
-    groups.first.push_back(base.face_count);
-    return groups;
-}
-
-/// body(number, members) for each group, groups in parallel.
-template <class Body>
-void for_each_group(const Groups& groups, const Body& body) {
-    tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        const uint32_t first = groups.first[g], count = groups.first[g + 1] - first;
-        body(g, std::span<const Member>(groups.members.data() + first, count));
-    });
-}
-
-/// What writing the rows of one member takes, besides the shared rows.
-struct MemberScratch {
-    Neighborhood hood;
-    std::vector<uint32_t> vertices;
-};
-
-/// body(member, scratch) for the members of one group, in parallel too: a group can be most of the mesh.
-template <class Body>
-void for_each_member(std::span<const Member> members, const Body& body) {
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
-        MemberScratch scratch;
-        for (size_t i = range.begin(); i != range.end(); ++i) body(members[i], scratch);
     });
 }
 
@@ -237,8 +106,9 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Ca
             }
         }
         for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
-            for_each_owned(job, member, scratch.vertices,
-                           [&](size_t target, uint32_t v) { sizes[v] = row_sizes[target]; });
+            for_each_target(job, member, scratch.vertices, [&](size_t target, uint32_t v, bool owned) {
+                if (owned) sizes[v] = row_sizes[target];
+            });
         });
     });
 }
@@ -262,13 +132,6 @@ void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& 
     });
 }
 
-/// Control points that no face uses keep their row: themselves.
-template <class Body>
-void for_each_loose_vertex(const Topology& base, const Body& body) {
-    for (uint32_t v = 0; v < base.vertex_count; ++v)
-        if (base.corners_of_vertex(v).empty()) body(v);
-}
-
 }  // namespace
 
 uint32_t base_face_of(const Refinement& refinement, uint32_t level, uint32_t f) {
@@ -280,21 +143,13 @@ uint32_t base_face_of(const Refinement& refinement, uint32_t level, uint32_t f) 
 
 template <class Real>
 Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const ComposeOptions& options) {
-    Result<std::vector<LevelCounts>> counts = count_levels(refinement.levels[0], options.level);
-    if (!counts) return counts.error();
-    Job job{refinement, options, std::move(*counts), {}};
+    const Result<Job> made = make_job(refinement, options);
+    if (!made) return made.error();
+    const Job& job = *made;
     const Topology& base = job.base();
-    const Error too_wide{
-        ErrorCode::unsupported,
-        "too many faces meet around one face for a table over the control points: chain step tables"};
-    if (!is_walkable(base) || (job.uncut() != nullptr && !is_walkable(*job.uncut()))) return too_wide;
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        const uint32_t n = base.size_of_face(f);
-        if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
-        if (base.face_size != 0) break;
-    }
-    const Groups groups = group_faces(job);
-    if (groups.largest_ring > std::numeric_limits<uint16_t>::max()) return too_wide;
+    const Result<Groups> grouped = group_faces(job);
+    if (!grouped) return grouped.error();
+    const Groups& groups = *grouped;
     BasicStencilTable<Real> table;
     table.source_count = refinement.control_count;
     table.offsets.assign(size_t{job.counts.back().vertices} + 1, 0);

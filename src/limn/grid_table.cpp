@@ -93,6 +93,7 @@ struct Lattices {
         std::pair<std::vector<std::pair<int32_t, int32_t>>, bool> key{{}, child != kWhole};
         GridPlacement placement = turned(child, rotation);
         placement.first = static_cast<uint32_t>(samples.size());
+        placement.count = static_cast<uint32_t>(found.size());
         for (const LatticeSample& s : found) {
             key.first.emplace_back(s.x, s.y);
             samples.push_back(s.out);
@@ -101,14 +102,36 @@ struct Lattices {
         const auto lattice = static_cast<uint32_t>(at - lattices.begin());
         if (at == lattices.end()) lattices.push_back(std::move(key));
         out.placements.push_back(placement);
+        if (!triangles) add_rows(child, found);
         return {lattice, static_cast<uint32_t>(out.placements.size() - 1)};
+    }
+    /// The smallest rectangle around the samples that the surface has.
+    void add_rows(uint32_t child, const std::vector<LatticeSample>& found) {
+        GridLattice rows{rate(), rate(), child == kWhole ? 1 : 2, 0, 0, static_cast<uint32_t>(samples.size())};
+        int32_t end_x = 0, end_y = 0;
+        for (const LatticeSample& s : found) {
+            if (s.out == kInvalidIndex) continue;
+            rows.x = std::min(rows.x, s.x);
+            rows.y = std::min(rows.y, s.y);
+            end_x = std::max(end_x, s.x + rows.step);
+            end_y = std::max(end_y, s.y + rows.step);
+        }
+        rows.columns = static_cast<uint32_t>(std::max(0, (end_x - rows.x) / rows.step));
+        rows.rows = static_cast<uint32_t>(std::max(0, (end_y - rows.y) / rows.step));
+        samples.resize(samples.size() + size_t{rows.columns} * rows.rows, kInvalidIndex);
+        for (const LatticeSample& s : found) {
+            if (s.out == kInvalidIndex) continue;
+            const auto i = static_cast<uint32_t>((s.x - rows.x) / rows.step), j = static_cast<uint32_t>((s.y - rows.y) / rows.step);
+            samples[rows.first + j * rows.columns + i] = s.out;
+        }
+        out.lattices.push_back(rows);
     }
     GridPlacement turned(uint32_t child, uint32_t rotation) const {
         shared::PatchLocation at = shared::make_location(0, 0);
         if (triangles && child == 3) shared::move_location(at, 1, -1, 0, 1, 0, -1);
         shared::rotate_location(at, rotation, triangles);
         auto whole = [](double x) { return static_cast<int32_t>(x); };
-        return {whole(at.uu), whole(at.uv), whole(at.vu), whole(at.vv), 0};
+        return {whole(at.uu), whole(at.uv), whole(at.vu), whole(at.vv), 0, 0};
     }
 };
 

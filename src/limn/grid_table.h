@@ -40,6 +40,16 @@ struct GridClass {
 struct GridPlacement {
     int32_t uu, uv, vu, vv;
     uint32_t first;
+    uint32_t count;
+};
+
+/// The samples that surfaces of a placement have, by rows and columns of quads: sample i < columns of row j < rows is
+/// sample placement_samples[first + j * columns + i] of the ptex face, or kInvalidIndex. It lies at ((x + i * step) / rate,
+/// (y + j * step) / rate) in the coordinates of the plan; step is 2 where the ptex face is split.
+struct GridLattice {
+    int32_t x, y, step;
+    uint32_t columns, rows;
+    uint32_t first;
 };
 
 struct GridSurface {
@@ -61,6 +71,7 @@ struct GridTable {
     std::vector<GridClass> classes;
     std::vector<GridPlacement> placements;
     Array<uint32_t> placement_samples;
+    std::vector<GridLattice> lattices;  ///< one per placement, of use to surfaces that are bicubic patches; none for triangles
     Array<GridSurface> surfaces;
     Array<float> weights;
     uint64_t total_sample_count = 0;
@@ -68,7 +79,8 @@ struct GridTable {
     uint64_t sample_count() const { return total_sample_count; }
     uint64_t bytes() const {
         return classes.size() * sizeof(GridClass) + placements.size() * sizeof(GridPlacement) +
-               placement_samples.bytes() + surfaces.bytes() + weights.bytes();
+               placement_samples.bytes() + lattices.size() * sizeof(GridLattice) +
+               surfaces.bytes() + weights.bytes();
     }
 };
 

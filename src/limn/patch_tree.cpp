@@ -220,7 +220,7 @@ Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees
                     shared::kGridCornersFirst};
         if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
         grid.classes.push_back(c);
-        grid.placements.push_back({1, 0, 0, 1, static_cast<uint32_t>(samples)});
+        grid.placements.push_back({1, 0, 0, 1, static_cast<uint32_t>(samples), c.sample_count});
         groups += uint64_t{c.group_count} * c.sample_count;
         samples += c.sample_count;
         if (groups * 16 > max_bytes)

@@ -5,6 +5,10 @@
 //   [3 + 3 t ..] of surface t: its first ring point, its ptex face counted from the first of the pass, its placement
 // A placement is 4 words, the signed integers uu, uv, vu, vv, and then a word for each sample: which sample of its ptex
 // face it is, or kGridNoSample.
+// CPU devices take regular patches in another way (grid_rows_texel). There a record is a surface: [0] its first ring point,
+// [1] its ptex face counted from the first of the pass, [2] its placement. That is the four integers above, then x, y, step:
+// sample i of row j is at ((x + i * step) / rate, (y + j * step) / rate) of the plan; then columns and rows, and a word for
+// each sample, row after row.
 #ifndef LIMN_SHARED_GRID_EVAL_PARAMS_H
 #define LIMN_SHARED_GRID_EVAL_PARAMS_H
 #include "limn/shared/interop.h"
@@ -31,6 +35,7 @@ const uint kGridLoadsConstant = 6;        // how often `groups` ring points are 
 const uint kGridCornersConstant = 7;
 const uint kGridSurfacesConstant = 8;  // of a tile
 const uint kGridPairedConstant = 9;    // 1: value and normal are six floats at an even index
+const uint kGridRefinedConstant = 10;  // of grid_rows_texel. 1: control points that are step / rate apart
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
 const uint kGridCornersBoxSpline = 1;
@@ -46,6 +51,9 @@ const uint kGridTileSurfaceWords = 3;
 const uint kGridMaxTileSurfaces = 8;
 const uint kGridPlacementHeader = 4;
 const uint kGridNoSample = 0xffffffffu;
+const uint kGridRecordWords = 3;
+const uint kGridRowsHeader = 9;
+const uint kGridRowsWorkgroupSize = 16;
 
 // Push constants. Component c of sample s of the pass is the float at base + s * stride + c of its buffer.
 struct GridEvalParams {
@@ -63,8 +71,9 @@ struct GridEvalParams {
     uint second_stride;
     uint third_base;
     uint third_stride;
+    uint rate;
 };
-LIMN_LAYOUT(GridEvalParams, 56)
+LIMN_LAYOUT(GridEvalParams, 60)
 
 LIMN_SHARED_END
 #endif

@@ -8,6 +8,7 @@
 #include "limn/vulkan/recording.h"
 #include "limn_kernels/grid_eval.h"
 #include "limn_kernels/grid_eval_texel.h"
+#include "limn_kernels/grid_rows_texel.h"
 #include "limn_kernels/patch_eval.h"
 #include "limn_kernels/patch_eval_texel.h"
 
@@ -17,7 +18,7 @@ namespace {
 using shared::GridEvalParams;
 using shared::PatchEvalParams;
 
-enum KernelName : uint32_t { kGrid, kPatch, kKernelCount };
+enum KernelName : uint32_t { kGrid, kPatch, kGridRows, kKernelCount };  ///< the last for CPU devices only
 constexpr uint32_t kMaxInvocations = 128;  // of a workgroup: what every device has
 
 Result<void> check(const DevicePatchTable* patches, uint32_t width, const PointBuffer& points) {
@@ -41,6 +42,15 @@ Result<void> check(const GridEvaluationInfo& info) {
             if (auto checked = check_points(*points, info.width); !checked) return checked;
     return {};
 }
+
+/// A grid, and where its rings are: in a patch table, or in a buffer of their own.
+struct GridJob {
+    GridEvaluationInfo info;
+    VkBuffer rings;
+    VkDeviceSize rings_bytes;
+    uint32_t ring_base, narrow_rings, point_count;
+    bool refined;
+};
 
 /// How the kernels of a device read: through texel buffers or not (reads_texels).
 struct Reads {
@@ -97,6 +107,7 @@ struct SurfaceEvaluator::State {
         return kernels[name].pipeline(constants);
     }
     Result<SurfaceEvaluation> prepare(const PatchEvaluationInfo& info, uint32_t values);
+    Result<SurfaceEvaluation> prepare(const GridJob& job) const;
     void begin(KernelName name, uint32_t push_constant_bytes, Recording& recording) const {
         recording.device = device;
         recording.layout = kernels[name].layout;
@@ -131,8 +142,9 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
     };
     const KernelInfo infos[kKernelCount] = {
         {spirv(kGridEval, kGridEvalTexel), grid, sizeof(GridEvalParams)},
-        {spirv(kPatchEval, kPatchEvalTexel), patch, sizeof(PatchEvalParams)}};
-    for (uint32_t k = 0; k < kKernelCount; ++k) {
+        {spirv(kPatchEval, kPatchEvalTexel), patch, sizeof(PatchEvalParams)},
+        {kGridRowsTexel, grid, sizeof(GridEvalParams)}};
+    for (uint32_t k = 0; k < (state.texel ? kKernelCount : kGridRows); ++k) {
         auto kernel = create_kernel(device, infos[k]);
         if (!kernel) return kernel.error();
         state.kernels[k] = std::move(*kernel);
@@ -160,7 +172,8 @@ bool are_adjacent(const GridEvaluationInfo& info) {
 }
 
 /// What the batches of one pass bind.
-std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& reads, uint32_t pass) {
+std::vector<BoundBuffer> bind_grid(const GridJob& job, const Reads& reads, uint32_t pass) {
+    const GridEvaluationInfo& info = job.info;
     const DeviceGridTable& grid = *info.grid;
     const uint64_t first = uint64_t{pass} * grid.faces_per_pass * grid.samples_per_face;
     const uint64_t last =
@@ -170,11 +183,11 @@ std::vector<BoundBuffer> bind_grid(const GridEvaluationInfo& info, const Reads& 
         return reads.write(p.buffer, byte_of(p, first, 0), byte_of(p, last, width));
     };
     const bool normals = info.normals.buffer != VK_NULL_HANDLE;
-    return {reads.bind(info.patches->words.handle, 0, info.patches->words.size_bytes, kWords),
+    return {reads.bind(job.rings, 0, job.rings_bytes, kWords),
             reads.bind(grid.words.handle, 0, grid.words.size_bytes, kWords),
             reads.bind(grid.weights.handle, 0, grid.weights.size_bytes, kGroups),
-            reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
-                       byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
+            reads.bind(info.points.buffer, byte_of(info.points, 0, 0), byte_of(info.points, job.point_count - 1, info.width),
+                       kFloats),
             write(info.values, are_adjacent(info) ? 6 : info.width),
             write(normals ? info.normals : info.du, info.width),
             write(info.dv, info.width)};
@@ -189,18 +202,19 @@ uint32_t most_invocations(const DeviceGridTable& grid, const GridBatch& batch) {
     return 16;
 }
 
-GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const BoundBuffer> bound,
-                           const GridBatch& batch) {
+GridEvalParams grid_params(const GridJob& job, std::span<const BoundBuffer> bound, const GridBatch& batch) {
+    const GridEvaluationInfo& info = job.info;
     const uint64_t first = uint64_t{batch.pass} * info.grid->faces_per_pass * info.grid->samples_per_face;
     const bool normals = info.normals.buffer != VK_NULL_HANDLE;
     const PointBuffer& second = normals ? info.normals : info.du;
     GridEvalParams params = {};
     params.tile_base = batch.tile_base;
     params.tile_count = batch.tile_count;
-    params.chunk_count = (batch.sample_count - 1) / most_invocations(*info.grid, batch) + 1;
+    params.rate = info.grid->rate;
+    params.chunk_count = batch.by_rows ? 1 : (batch.sample_count - 1) / most_invocations(*info.grid, batch) + 1;
     params.sample_count = batch.sample_count;
     params.samples_per_face = info.grid->samples_per_face;
-    params.ring_base = info.patches->offsets.ring_points;
+    params.ring_base = job.ring_base;
     params.point_base = Reads::base(info.points, 0, bound[shared::kGridPointsBinding]);
     params.point_stride = info.points.stride;
     params.value_base = Reads::base(info.values, first, bound[shared::kGridValuesBinding]);
@@ -216,39 +230,66 @@ GridEvalParams grid_params(const GridEvaluationInfo& info, std::span<const Bound
     return params;
 }
 
+/// Specialization of grid_eval. `lanes`: invocations of a workgroup are a multiple of it.
+std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch, uint32_t output, bool paired,
+                                     uint32_t lanes) {
+    const GridEvaluationInfo& info = job.info;
+    const uint32_t most = most_invocations(*info.grid, batch);
+    const uint32_t per_chunk = (batch.sample_count - 1) / ((batch.sample_count - 1) / most + 1) + 1;
+    const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
+    return {std::min(batch.group_count, 8u), output, info.width, job.narrow_rings, invocations, info.grid->value_count,
+            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, paired};
+}
+
 }  // namespace
 
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_grid(const GridEvaluationInfo& info) const {
     if (auto checked = check(info); !checked) return checked.error();
+    const DevicePatchTable& patches = *info.patches;
+    return state_->prepare({info, patches.words.handle, patches.words.size_bytes, patches.offsets.ring_points,
+                            patches.narrow_rings, patches.point_count, false});
+}
+
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_refined(const RefinedGridInfo& info) const {
+    if (info.table == nullptr) return bad_argument("there is no refined grid to evaluate");
+    if (info.width < 1 || info.width > 4) return bad_argument("points have 1 to 4 components here");
+    for (const PointBuffer* points : {&info.source, &info.refined})
+        if (auto checked = check_points(*points, info.width); !checked) return checked.error();
+    return state_->prepare(
+        {{.grid = &info.table->grid, .width = info.width, .points = info.source, .values = info.refined},
+         info.table->rings.handle, info.table->rings.size_bytes, 0, false, info.table->source_count, true});
+}
+
+/// Checked.
+Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) const {
+    const GridEvaluationInfo& info = job.info;
     SurfaceEvaluation evaluation;
     Recording& recording = evaluation.state_->recording;
-    state_->begin(kGrid, sizeof(GridEvalParams), recording);
+    begin(kGrid, sizeof(GridEvalParams), recording);
     const uint32_t output = info.normals.buffer != VK_NULL_HANDLE ? shared::kGridOutputNormal
                             : info.du.buffer != VK_NULL_HANDLE    ? shared::kGridOutputDerivatives
                                                                   : shared::kGridOutputValue;
-    const uint32_t lanes = state_->texel ? 8 : 32;
     std::vector<BoundBuffer> bound;
     VkDescriptorSet set = VK_NULL_HANDLE;
     uint32_t bound_pass = ~0u;
     for (const GridBatch& batch : info.grid->batches) {
         if (batch.pass != bound_pass) {
             bound_pass = batch.pass;
-            bound = bind_grid(info, state_->reads(), batch.pass);
-            auto added = recording.add_set(state_->kernels[kGrid].set_layout, bound);
+            bound = bind_grid(job, reads(), batch.pass);
+            auto added = recording.add_set(kernels[kGrid].set_layout, bound);
             if (!added) return added.error();
             set = *added;
         }
-        const GridEvalParams params = grid_params(info, bound, batch);
+        const GridEvalParams params = grid_params(job, bound, batch);
         const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
-        const uint32_t per_chunk = (batch.sample_count - 1) / params.chunk_count + 1;
-        const uint32_t most = most_invocations(*info.grid, batch);
-        const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
-        auto pipeline = state_->pipeline(
-            kGrid, {std::min(batch.group_count, 8u), output, info.width, info.patches->narrow_rings,
-                    invocations, info.grid->value_count, batch.group_count > 8 ? batch.group_count / 8 : 1,
-                    batch.corners, batch.tile_surfaces, paired});
-        if (!pipeline) return pipeline.error();
-        recording.add_dispatch(*pipeline, set, uint64_t{batch.tile_count} * params.chunk_count, params);
+        const bool rows = batch.by_rows;
+        auto made = pipeline(rows ? kGridRows : kGrid,
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined}
+                                  : tile_constants(job, batch, output, paired, texel ? 8 : 32));
+        if (!made) return made.error();
+        const uint64_t group_count = rows ? (batch.tile_count - 1) / shared::kGridRowsWorkgroupSize + 1
+                                          : uint64_t{batch.tile_count} * params.chunk_count;
+        recording.add_dispatch(*made, set, group_count, params);
     }
     return evaluation;
 }

@@ -32,6 +32,14 @@ struct GridEvaluationInfo {
     PointBuffer dv = {};
 };
 
+/// Points of one level of uniform refinement: table->point_count() of them, in the order of Refinement's vertices.
+struct RefinedGridInfo {
+    const DeviceRefinedGrid* table = nullptr;
+    uint32_t width = 3;        ///< 1 to 4
+    PointBuffer source = {};   ///< table->source_count control points; kSourceUsage
+    PointBuffer refined = {};  ///< STORAGE_BUFFER usage; overlaps not the source
+};
+
 /// A list of samples in a buffer of the caller's: sample s is the words at offset_bytes + 12 * s: the ptex
 /// face as uint32, u and v as floats.
 struct SampleBuffer {
@@ -94,6 +102,7 @@ class SurfaceEvaluator {
     /// device can bind at once: of a grid's destination, one pass), out_of_memory, vulkan_failure.
     Result<StencilEvaluation> prepare_points(const SurfacePointsInfo& info) const;
     Result<SurfaceEvaluation> prepare_grid(const GridEvaluationInfo& info) const;
+    Result<SurfaceEvaluation> prepare_refined(const RefinedGridInfo& info) const;
     Result<SurfaceEvaluation> prepare_samples(const PatchEvaluationInfo& info) const;
     Result<SurfaceEvaluation> prepare_locations(const LocationInfo& info) const;
 

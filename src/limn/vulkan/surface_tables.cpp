@@ -6,6 +6,7 @@
 #include <map>
 
 #include "limn/shared/grid_eval_params.h"
+#include "limn/vulkan/point_buffers.h"
 #include "limn/vulkan/table_upload.h"
 
 namespace limn::vk {
@@ -47,17 +48,38 @@ struct GridWords {
     std::vector<GridBatch> batches;
 };
 
-void append_placements(const GridTable& table, std::vector<uint32_t>& words, std::vector<uint32_t>& offsets) {
-    for (size_t p = 0; p < table.placements.size(); ++p) {
-        const GridPlacement& placement = table.placements[p];
-        const size_t end =
-            p + 1 < table.placements.size() ? table.placements[p + 1].first : table.placement_samples.size();
-        offsets.push_back(static_cast<uint32_t>(words.size()));
-        for (const int32_t x : {placement.uu, placement.uv, placement.vu, placement.vv})
-            words.push_back(static_cast<uint32_t>(x));
-        words.insert(words.end(), table.placement_samples.begin() + placement.first,
-                     table.placement_samples.begin() + end);
+/// Where placements lie among the words; 0 where none is yet, since something always precedes them.
+struct PlacementWords {
+    std::vector<uint32_t> offsets, row_offsets;
+};
+
+void append_turn(const GridPlacement& p, std::vector<uint32_t>& words) {
+    for (const int32_t x : {p.uu, p.uv, p.vu, p.vv}) words.push_back(static_cast<uint32_t>(x));
+}
+
+/// Of the surfaces that go into tiles, and of those that go by rows.
+PlacementWords append_placements(const GridTable& table, const std::vector<bool>& by_rows, std::vector<uint32_t>& words) {
+    PlacementWords out;
+    out.offsets.resize(table.placements.size());
+    out.row_offsets.resize(table.lattices.size());
+    const uint32_t* samples = table.placement_samples.data();
+    for (const GridSurface& s : table.surfaces) {
+        const GridPlacement& placement = table.placements[s.placement];
+        if (!by_rows[s.grid_class]) {
+            if (out.offsets[s.placement] != 0) continue;
+            out.offsets[s.placement] = static_cast<uint32_t>(words.size());
+            append_turn(placement, words);
+            words.insert(words.end(), samples + placement.first, samples + placement.first + placement.count);
+        } else if (out.row_offsets[s.placement] == 0) {
+            const GridLattice& lattice = table.lattices[s.placement];
+            out.row_offsets[s.placement] = static_cast<uint32_t>(words.size());
+            append_turn(placement, words);
+            for (const int32_t x : {lattice.x, lattice.y, lattice.step}) words.push_back(static_cast<uint32_t>(x));
+            words.insert(words.end(), {lattice.columns, lattice.rows});
+            words.insert(words.end(), samples + lattice.first, samples + lattice.first + size_t{lattice.columns} * lattice.rows);
+        }
     }
+    return out;
 }
 
 void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, uint32_t capacity,
@@ -88,28 +110,62 @@ void add_tiles(const GridClass& c, std::span<const GridSurface> surfaces, Batche
         tiles.push_back(surfaces.subspan(i, std::min<size_t>(capacity, surfaces.size() - i)));
 }
 
+/// Records of the regular patches of a pass, alike lattices side by side, since lanes of a vector go through theirs
+/// together.
+void add_records(const GridTable& table, uint32_t pass, std::vector<const GridSurface*>& surfaces,
+                 const std::vector<uint32_t>& placements, GridWords& out) {
+    if (surfaces.empty()) return;
+    std::stable_sort(surfaces.begin(), surfaces.end(),
+                     [](const GridSurface* a, const GridSurface* b) { return a->placement < b->placement; });
+    GridBatch batch = {};
+    batch.pass = pass;
+    batch.tile_base = static_cast<uint32_t>(out.words.size());
+    batch.tile_count = static_cast<uint32_t>(surfaces.size());
+    batch.by_rows = true;
+    out.batches.push_back(batch);
+    for (const GridSurface* s : surfaces)
+        out.words.insert(out.words.end(), {s->first_ring, s->ptex_face % table.faces_per_pass, placements[s->placement]});
+}
+
+/// Whether surfaces of each class are for grid_rows_texel. A CPU device ends loops after 65,535 rounds, all of an
+/// invocation together.
+std::vector<bool> find_row_classes(const GridTable& table, bool cpu_device) {
+    std::vector<bool> by_rows(table.classes.size());
+    for (size_t c = 0; c < by_rows.size(); ++c)
+        by_rows[c] = cpu_device && table.classes[c].corners == shared::kGridCornersBicubic && !table.lattices.empty() &&
+                     table.rate < 250;
+    return by_rows;
+}
+
 /// Tiles of each pass: those that one dispatch can take follow each other.
-GridWords lay_out(const GridTable& table) {
+GridWords lay_out(const GridTable& table, bool cpu_device) {
     GridWords out;
-    std::vector<uint32_t> placements;
-    append_placements(table, out.words, placements);
+    out.words.push_back(0);
+    const std::vector<bool> by_rows = find_row_classes(table, cpu_device);
+    const PlacementWords placements = append_placements(table, by_rows, out.words);
     auto pass_of = [&](size_t i) { return table.surfaces[i].ptex_face / table.faces_per_pass; };
     for (size_t begin = 0, end = 0; begin < table.surfaces.size(); begin = end) {
         const uint32_t pass = pass_of(begin);
         Batches batches;
+        std::vector<const GridSurface*> records;
         while (end < table.surfaces.size() && pass_of(end) == pass) {
             const size_t first = end;
             const uint32_t grid_class = table.surfaces[first].grid_class;
             while (end < table.surfaces.size() && table.surfaces[end].grid_class == grid_class &&
                    pass_of(end) == pass)
                 ++end;
-            add_tiles(table.classes[grid_class], {table.surfaces.data() + first, end - first}, batches);
+            const std::span<const GridSurface> surfaces(table.surfaces.data() + first, end - first);
+            if (by_rows[grid_class])
+                for (const GridSurface& s : surfaces) records.push_back(&s);
+            else
+                add_tiles(table.classes[grid_class], surfaces, batches);
         }
+        add_records(table, pass, records, placements.row_offsets, out);
         for (const auto& [key, tiles] : batches) {
             out.batches.push_back({key[0], key[1], key[2], pass, key[3],
                                    static_cast<uint32_t>(out.words.size()),
                                    static_cast<uint32_t>(tiles.size())});
-            for (const auto& tile : tiles) append_tile(table, tile, key[3], placements, out.words);
+            for (const auto& tile : tiles) append_tile(table, tile, key[3], placements.offsets, out.words);
         }
     }
     return out;
@@ -127,7 +183,7 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
     out.samples_per_face = table.samples_per_face;
     out.faces_per_pass = table.faces_per_pass;
     out.total_sample_count = table.total_sample_count;
-    GridWords grid = lay_out(table);
+    GridWords grid = lay_out(table, reads_texels(device));
     if (grid.words.size() > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
     out.batches = std::move(grid.batches);
     auto words = create_table_buffer(device, command_buffer, grid.words.size() * 4, upload.staging);
@@ -141,9 +197,26 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
     return upload;
 }
 
+Result<RefinedGridUpload> record_refined_grid_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                     const RefinedGridTable& table) {
+    auto grid = record_grid_table_upload(device, command_buffer, table.grid);
+    if (!grid) return grid.error();
+    RefinedGridUpload upload{{table.source_count, std::move(grid->table), {}}, std::move(grid->staging)};
+    auto rings = create_table_buffer(device, command_buffer, table.ring_points.bytes(), upload.staging);
+    if (!rings) return rings.error();
+    upload.table.rings = std::move(rings->first);
+    if (!table.ring_points.empty()) std::memcpy(rings->second, table.ring_points.data(), table.ring_points.bytes());
+    return upload;
+}
+
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table) {
     return upload_and_wait(
         device, [&](VkCommandBuffer commands) { return record_patch_table_upload(device, commands, table); });
+}
+
+Result<DeviceRefinedGrid> upload_refined_grid_table(const Device& device, const RefinedGridTable& table) {
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_refined_grid_upload(device, commands, table); });
 }
 
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table) {

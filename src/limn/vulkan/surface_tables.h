@@ -3,6 +3,7 @@
 
 #include "limn/grid_table.h"
 #include "limn/patch_table.h"
+#include "limn/refined_grid.h"
 #include "limn/shared/patch_eval_params.h"
 #include "limn/vulkan/device_tables.h"
 
@@ -27,7 +28,8 @@ struct DevicePatchTable {
     VkDeviceSize bytes() const { return words.size_bytes + points.bytes(); }
 };
 
-/// The classes of one dispatch of a grid: those with equal group and sample counts and corners.
+/// The classes of one dispatch of a grid: those with equal group and sample counts and corners. With by_rows all that are
+/// regular patches, and tiles are records of single surfaces.
 struct GridBatch {
     uint32_t group_count;  ///< as GridClass
     uint32_t sample_count;
@@ -36,6 +38,7 @@ struct GridBatch {
     uint32_t tile_surfaces;  ///< that a tile has room for
     uint32_t tile_base;      ///< words
     uint32_t tile_count;
+    bool by_rows = false;
 };
 
 /// A grid table as kernels read it: limn/shared/grid_eval_params.h. It samples one DevicePatchTable.
@@ -54,6 +57,16 @@ struct DeviceGridTable {
     VkDeviceSize bytes() const { return words.size_bytes + weights.size_bytes; }
 };
 
+/// A refined grid as kernels read it.
+struct DeviceRefinedGrid {
+    uint32_t source_count = 0;
+    DeviceGridTable grid;
+    Buffer rings;
+
+    uint32_t point_count() const { return static_cast<uint32_t>(grid.sample_count()); }
+    VkDeviceSize bytes() const { return grid.bytes() + rings.size_bytes; }
+};
+
 /// A table whose upload has been recorded, and the staging memory it is read from: keep that until the
 /// commands have completed (it is empty where the device shares memory with the host).
 struct PatchTableUpload {
@@ -65,15 +78,23 @@ struct GridTableUpload {
     std::vector<Buffer> staging;
 };
 
+struct RefinedGridUpload {
+    DeviceRefinedGrid table;
+    std::vector<Buffer> staging;
+};
+
 /// Record the upload into the caller's command buffer, barrier to kernel reads included.
 /// Errors: out_of_memory, too_large (2^32 words), vulkan_failure.
 Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                    const PatchTable& table);
 Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                  const GridTable& table);
+Result<RefinedGridUpload> record_refined_grid_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                     const RefinedGridTable& table);
 
 /// The same, submitted to Device::queue and waited for.
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table);
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table);
+Result<DeviceRefinedGrid> upload_refined_grid_table(const Device& device, const RefinedGridTable& table);
 
 }  // namespace limn::vk

@@ -1,0 +1,55 @@
+// What the grid kernels write of a sample. Before it: TILE_WORD(i), params.
+
+layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
+layout(constant_id = kGridWidthConstant) const uint kWidth = 3;
+layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
+
+layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
+layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
+layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
+layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
+
+vec3 scaled(vec3 v) {
+    const vec3 size = abs(v);
+    const float largest = max(size.x, max(size.y, size.z));
+    return largest > 0 ? v / largest : vec3(0, 0, 1);
+}
+
+// A unit vector for tangents of about unit size: one division, since a CPU device has no other costly operation here.
+vec3 normal_of(vec3 du, vec3 dv, vec3 otherwise) {
+    vec3 n = cross(du, dv);
+    const float longest = max(dot(du, du), dot(dv, dv));
+    // The squared sine of the angle between tangents, times their relative lengths: below this only rounding is left.
+    if (!(dot(n, n) > 1e-13 * longest * longest)) n = otherwise;
+    return n * inversesqrt(dot(n, n));
+}
+
+// What brings tangents to about unit size, so that squares are finite.
+float unit_scale(vec3 size) { return 1 / max(max(size.x, max(size.y, size.z)), 1e-30); }
+
+// Sample s of the pass; its derivatives are turned as its placement says. `otherwise`: the normal where tangents span no
+// plane, not zero. `scale` brings tangents to about unit size.
+void store_sample(uint s, uint placement, vec4 value, vec4 plan_du, vec4 plan_dv, vec3 otherwise, float scale) {
+    const uint value_at = params.value_base + s * params.value_stride;
+    const uint second_at = params.second_base + s * params.second_stride;
+    vec3 n;
+    if (kOutput == kGridOutputNormal) n = normal_of(plan_du.xyz * scale, plan_dv.xyz * scale, otherwise);
+    if (kPaired != 0) {
+        value_pairs[value_at / 2] = value.xy;
+        value_pairs[value_at / 2 + 1] = vec2(value.z, n.x);
+        value_pairs[value_at / 2 + 2] = n.yz;
+        return;
+    }
+    for (uint c = 0; c < kWidth; ++c) values[value_at + c] = value[c];
+    if (kOutput == kGridOutputNormal) {
+        for (uint c = 0; c < 3; ++c) second[second_at + c] = n[c];
+    }
+    if (kOutput == kGridOutputDerivatives) {
+        const float uu = float(int(TILE_WORD(placement))), uv = float(int(TILE_WORD(placement + 1)));
+        const float vu = float(int(TILE_WORD(placement + 2))), vv = float(int(TILE_WORD(placement + 3)));
+        const vec4 du = plan_du * uu + plan_dv * vu, dv = plan_du * uv + plan_dv * vv;
+        const uint third_at = params.third_base + s * params.third_stride;
+        for (uint c = 0; c < kWidth; ++c) second[second_at + c] = du[c];
+        for (uint c = 0; c < kWidth; ++c) third[third_at + c] = dv[c];
+    }
+}

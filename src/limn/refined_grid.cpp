@@ -1,0 +1,228 @@
+#include "limn/refined_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "limn/face_groups.h"
+#include "limn/shared/patch_basis.h"
+
+namespace limn {
+namespace {
+
+constexpr uint32_t kRegularRing = 16;
+
+/// Where on a quad the target at a corner of the refined faces lies: digits are the children on its path, the last
+/// first, and its own corner.
+std::array<uint32_t, 2> lattice_position(uint32_t corner, uint32_t level) {
+    constexpr uint32_t kX[] = {0, 1, 1, 0}, kY[] = {0, 0, 1, 1};
+    uint32_t x = kX[corner % 4], y = kY[corner % 4];
+    uint32_t path = corner / 4;
+    for (uint32_t i = 0; i < level; ++i, path /= 4) {
+        x += kX[path % 4] << i;
+        y += kY[path % 4] << i;
+    }
+    return {x, y};
+}
+
+/// What control points of a uniform cubic spline weigh for those of its refinement: of each of 2^level + 1 places four.
+std::vector<std::array<double, 4>> refined_basis(uint32_t level) {
+    const double step = 1.0 / (1u << level);
+    std::vector<std::array<double, 4>> weights((size_t{1} << level) + 1);
+    for (size_t i = 0; i < weights.size(); ++i) {
+        double f[4], d[4], dd[4];
+        shared::cubic_basis(static_cast<double>(i) * step, f, d, dd);
+        for (size_t k = 0; k < 4; ++k) weights[i][k] = f[k] - step * step / 6 * dd[k];
+    }
+    return weights;
+}
+
+/// The lattice of quads, and where each target is on it.
+struct QuadLattice {
+    uint32_t side = 0;  ///< targets along a side
+    std::vector<std::array<uint32_t, 2>> positions;
+    std::vector<std::array<double, 4>> basis;
+
+    QuadLattice(const Block& block, uint32_t level) : side((1u << level) + 1), basis(refined_basis(level)) {
+        for (const uint32_t corner : block.corners({})) positions.push_back(lattice_position(corner, level));
+    }
+};
+
+/// Finds the place in rows of four for each ring point of a regular neighbourhood. False where the weights are not
+/// those of a bicubic spline.
+bool match_bicubic(const QuadLattice& lattice, const Weights& weights, std::array<uint32_t, kRegularRing>& ring_of_place) {
+    std::array<bool, kRegularRing> taken = {};
+    for (uint32_t j = 0; j < kRegularRing; ++j) {
+        uint32_t place = 0;
+        auto differs = [&] {
+            for (size_t t = 0; t < lattice.positions.size(); ++t) {
+                const auto [x, y] = lattice.positions[t];
+                const double weight = lattice.basis[x][place % 4] * lattice.basis[y][place / 4];
+                if (std::abs(weights.rows[t * weights.stride + j] - weight) > 1e-12) return true;
+            }
+            return false;
+        };
+        while (place < kRegularRing && (taken[place] || differs())) ++place;
+        if (place == kRegularRing) return false;
+        taken[place] = true;
+        ring_of_place[place] = j;
+    }
+    return true;
+}
+
+/// One group of faces: what its surfaces have in common, and where its part of each array begins.
+struct GroupPlan {
+    uint32_t ring_size = 0, target_count = 0;
+    uint64_t first_ring = 0, first_sample = 0, first_weight = 0;
+};
+
+struct Builder {
+    const Job& job;
+    const Groups& groups;
+    std::vector<GroupPlan> plans;
+    const QuadLattice* lattice;  ///< null where no face is a quad of Catmull-Clark
+    RefinedGridTable& out;
+
+    uint32_t group_size(size_t g) const { return groups.first[g + 1] - groups.first[g]; }
+    Result<void> plan_groups(uint64_t max_weight_bytes);
+    void write_group(size_t g, std::span<const Member> members);
+    void write_member(const GroupPlan& plan, const GridClass& c, const std::array<uint32_t, kRegularRing>& ring_of_place,
+                      uint32_t surface, const Member& member, MemberScratch& scratch);
+    void add_loose_vertices();
+};
+
+/// Sizes of all arrays. Rings and samples of the vertices without faces come last.
+Result<void> Builder::plan_groups(uint64_t max_weight_bytes) {
+    plans.resize(groups.first.size() - 1);
+    tbb::parallel_for(size_t{0}, plans.size(), [&](size_t g) {
+        const Member& member = groups.members[groups.first[g]];
+        Neighborhood hood;
+        walk_around(job.walk(), member.face, member.orientation, hood);
+        plans[g].ring_size = static_cast<uint32_t>(hood.ring.size());
+        plans[g].target_count = static_cast<uint32_t>(job.block(member.face).places.size());
+    });
+    uint64_t rings = 0, samples = 0, weights = 0;
+    for (size_t g = 0; g < plans.size(); ++g) {
+        GroupPlan& plan = plans[g];
+        plan.first_ring = rings;
+        plan.first_sample = samples;
+        plan.first_weight = weights;
+        uint64_t ring_groups = (plan.ring_size + 3) / 4;
+        if (ring_groups > 8) ring_groups = (ring_groups + 7) / 8 * 8;
+        rings += uint64_t{plan.ring_size} * group_size(g);
+        samples += uint64_t{plan.target_count} * group_size(g);
+        weights += ring_groups * plan.target_count;
+        if (weights * 16 > max_weight_bytes)
+            return Error{ErrorCode::too_large, "refinement to level " + std::to_string(out.level) + " face by face needs more than " +
+                                                   std::to_string(max_weight_bytes >> 20) + " MiB of weights"};
+        out.grid.classes.push_back({plan.ring_size, static_cast<uint32_t>(ring_groups), plan.target_count,
+                                    static_cast<uint32_t>(plan.first_weight), shared::kGridCornersFirst});
+    }
+    uint64_t loose = 0;
+    for_each_loose_vertex(job.base(), [&](uint32_t) { ++loose; });
+    if (rings + loose > 0xffffffffu || samples + loose > 0xffffffffu)
+        return Error{ErrorCode::too_large, "refinement face by face refers to 2^32 points or more"};
+    out.ring_points.allocate(rings + loose);
+    out.grid.placement_samples.allocate(samples + loose);
+    out.grid.weights.assign(4 * (weights + (loose != 0 ? 1 : 0)), 0.0f);
+    out.grid.surfaces.allocate(job.base().face_count + loose);
+    out.grid.placements.resize(job.base().face_count + loose);
+    out.grid.lattices.resize(job.base().face_count + loose);
+    return {};
+}
+
+void Builder::write_member(const GroupPlan& plan, const GridClass& c,
+                           const std::array<uint32_t, kRegularRing>& ring_of_place, uint32_t surface, const Member& member,
+                           MemberScratch& scratch) {
+    const bool regular = c.corners == shared::kGridCornersBicubic;
+    const uint32_t index = surface - groups.first[&plan - plans.data()];
+    const auto first_ring = static_cast<uint32_t>(plan.first_ring + uint64_t{index} * plan.ring_size);
+    const auto first_sample = static_cast<uint32_t>(plan.first_sample + uint64_t{index} * plan.target_count);
+    find_member_ring(job, member, scratch.hood);
+    for (uint32_t j = 0; j < plan.ring_size; ++j)
+        out.ring_points[first_ring + j] = scratch.hood.ring[regular ? ring_of_place[j] : j];
+    for_each_target(job, member, scratch.vertices, [&](size_t target, uint32_t v, bool owned) {
+        size_t sample = target;
+        if (regular) sample = size_t{lattice->positions[target][1]} * lattice->side + lattice->positions[target][0];
+        out.grid.placement_samples[first_sample + sample] = owned ? v : kInvalidIndex;
+    });
+    out.grid.surfaces[surface] = {first_ring, 0, surface, static_cast<uint32_t>(&plan - plans.data())};
+    out.grid.placements[surface] = {1, 0, 0, 1, first_sample, plan.target_count};
+    if (regular) out.grid.lattices[surface] = {0, 0, 1, lattice->side, lattice->side, first_sample};
+}
+
+void Builder::write_group(size_t g, std::span<const Member> members) {
+    const GroupPlan& plan = plans[g];
+    GridClass& c = out.grid.classes[g];
+    std::array<uint32_t, kRegularRing> ring_of_place = {};
+    {
+        Program program;
+        Weights weights;
+        write_member_program(job, members[0], program);
+        run_weights(program, weights);
+        if (lattice != nullptr && plan.ring_size == kRegularRing && job.base().size_of_face(members[0].face) == 4 &&
+            match_bicubic(*lattice, weights, ring_of_place))
+            c.corners = shared::kGridCornersBicubic;
+        const bool regular = c.corners == shared::kGridCornersBicubic;
+        for (uint32_t t = 0; t < plan.target_count; ++t) {
+            const uint32_t sample = regular ? lattice->positions[t][1] * lattice->side + lattice->positions[t][0] : t;
+            for (uint32_t j = 0; j < plan.ring_size; ++j)
+                out.grid.weights[4 * (plan.first_weight + uint64_t{j / 4} * plan.target_count + sample) + j % 4] =
+                    static_cast<float>(weights.rows[t * weights.stride + (regular ? ring_of_place[j] : j)]);
+        }
+    }
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
+        MemberScratch scratch;
+        for (size_t i = range.begin(); i != range.end(); ++i)
+            write_member(plan, c, ring_of_place, groups.first[g] + static_cast<uint32_t>(i), members[i], scratch);
+    });
+}
+
+/// Control points that no face uses are points of every level.
+void Builder::add_loose_vertices() {
+    uint32_t surface = job.base().face_count;
+    auto ring = static_cast<uint32_t>(out.ring_points.size()), sample = static_cast<uint32_t>(out.grid.placement_samples.size());
+    ring -= static_cast<uint32_t>(out.grid.surfaces.size()) - surface;
+    sample -= static_cast<uint32_t>(out.grid.surfaces.size()) - surface;
+    if (surface == out.grid.surfaces.size()) return;
+    const size_t weight = out.grid.weights.size() / 4 - 1;
+    out.grid.weights[4 * weight] = 1;
+    const auto number = static_cast<uint32_t>(out.grid.classes.size());
+    out.grid.classes.push_back({1, 1, 1, static_cast<uint32_t>(weight), shared::kGridCornersFirst});
+    const Array<uint32_t>& map = job.refinement.control_indices;
+    for_each_loose_vertex(job.base(), [&](uint32_t v) {
+        out.ring_points[ring] = map.empty() ? v : map[v];
+        out.grid.placement_samples[sample] = v;
+        out.grid.surfaces[surface] = {ring, 0, surface, number};
+        out.grid.placements[surface] = {1, 0, 0, 1, sample, 1};
+        ++surface, ++ring, ++sample;
+    });
+}
+
+}  // namespace
+
+Result<RefinedGridTable> build_refined_grid_table(const Refinement& refinement, const RefinedGridOptions& options) {
+    if (options.level < 1 || options.level > 7)
+        return Error{ErrorCode::invalid_argument, "level " + std::to_string(options.level) + " is not within 1 and 7"};
+    const Result<Job> job = make_job(refinement, {options.level, options.interpolation, Target::refined});
+    if (!job) return job.error();
+    const Result<Groups> groups = group_faces(*job);
+    if (!groups) return groups.error();
+    RefinedGridTable out;
+    out.level = options.level;
+    out.source_count = refinement.control_count;
+    out.grid.rate = 1u << options.level;
+    out.grid.value_count = 1;
+    out.grid.ptex_count = out.grid.faces_per_pass = 1;
+    out.grid.samples_per_face = job->counts.back().vertices;
+    out.grid.total_sample_count = out.grid.samples_per_face;
+    std::optional<QuadLattice> lattice;
+    if (job->base().options.scheme == Scheme::catmull_clark && job->blocks.count(4) != 0)
+        lattice.emplace(job->blocks.at(4), options.level);
+    Builder builder{*job, *groups, {}, lattice ? &*lattice : nullptr, out};
+    if (auto planned = builder.plan_groups(options.max_weight_bytes); !planned) return planned.error();
+    for_each_group(*groups, [&](size_t g, std::span<const Member> members) { builder.write_group(g, members); });
+    builder.add_loose_vertices();
+    return out;
+}
+
+}  // namespace limn
