@@ -45,8 +45,7 @@ void main() {
     const uint invocation = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     const bool inside = invocation < params.tile_count;
     const uint record = params.tile_base + kGridRecordWords * min(invocation, params.tile_count - 1);
-    const uint first_ring = TILE_WORD(record), placement = TILE_WORD(record + 2);
-    const uint first_sample = TILE_WORD(record + 1) * params.samples_per_face;
+    const uint first_ring = TILE_WORD(record), face = TILE_WORD(record + 1), placement = TILE_WORD(record + 2);
     const float inverse = 1 / float(params.rate);
     const float x = float(int(TILE_WORD(placement + 4))) * inverse, y = float(int(TILE_WORD(placement + 5))) * inverse;
     const float steps = float(int(TILE_WORD(placement + 6))), step_size = steps * inverse;
@@ -72,14 +71,14 @@ void main() {
             slopes[i] = db[0] * ring[i] + db[1] * ring[4 + i] + db[2] * ring[8 + i] + db[3] * ring[12 + i];
         }
         for (uint i = 0; i < columns; ++i) {
-            const uint out_sample = TILE_WORD(placement + kGridRowsHeader + j * columns + i);
+            const uint s = sample_of(face, TILE_WORD(placement + kGridRowsHeader + j * columns + i));
             float a[4], da[4];
             basis_at(x + float(i) * step_size, step_size, a, da);
             const vec4 value = a[0] * sums[0] + a[1] * sums[1] + a[2] * sums[2] + a[3] * sums[3];
             const vec4 du = da[0] * sums[0] + da[1] * sums[1] + da[2] * sums[2] + da[3] * sums[3];
             const vec4 dv = a[0] * slopes[0] + a[1] * slopes[1] + a[2] * slopes[2] + a[3] * slopes[3];
-            if (inside && out_sample != kGridNoSample)
-                store_sample(first_sample + out_sample, placement, value + origin, steps * du, steps * dv, otherwise, scale);
+            if (inside && s != kGridNoSample)
+                store_sample(s, placement, value + origin, steps * du, steps * dv, otherwise, scale);
         }
     }
 }

@@ -109,9 +109,9 @@ void main() {
     const bool inside = group < params.tile_count * params.chunk_count && invocation < params.sample_count;
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         const uint placement = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 2];
-        const uint out_sample = TILE_WORD(placement + kGridPlacementHeader + sample_index);
-        if (!inside || t >= surface_count || out_sample == kGridNoSample) continue;
-        const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
+        const uint face = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1];
+        const uint s = sample_of(face, TILE_WORD(placement + kGridPlacementHeader + sample_index));
+        if (!inside || t >= surface_count || s == kGridNoSample) continue;
         const float scale = unit_scale(max(abs(sums[t].values[1].xyz), abs(sums[t].values[2].xyz)));
         store_sample(s, placement, sums[t].values[0] + sums[t].origin, sums[t].values[1], sums[t].values[2], sums[t].otherwise, scale);
     }

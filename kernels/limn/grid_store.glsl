@@ -3,11 +3,20 @@
 layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
 layout(constant_id = kGridWidthConstant) const uint kWidth = 3;
 layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
+layout(constant_id = kGridSlottedConstant) const uint kSlotted = 0;
 
 layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
 layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
 layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
+
+// Which sample of the pass a word of a placement is; kGridNoSample: none. `face`: the second word of a surface.
+uint sample_of(uint face, uint word) {
+    if (word == kGridNoSample) return kGridNoSample;
+    if (kSlotted == 0) return face * params.samples_per_face + word;
+    const uint slot = TILE_WORD(face + (word >> kGridOffsetBits));
+    return slot == kGridNoSample ? kGridNoSample : slot + (word & (1u << kGridOffsetBits) - 1u);
+}
 
 vec3 scaled(vec3 v) {
     const vec3 size = abs(v);

@@ -40,7 +40,7 @@ std::vector<uint32_t> sides_of_vertices(const Refinement& polygon) {
 
 }  // namespace
 
-Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
+Refinement refine_polygon(const SchemeOptions& options, uint32_t n, uint32_t level) {
     std::vector<uint32_t> polygon(n);
     for (uint32_t i = 0; i < n; ++i) polygon[i] = i;
     ControlMeshDescription description;
@@ -49,9 +49,13 @@ Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
     description.face_sizes = {&n, 1};
     description.face_vertices = polygon;
     const Result<ControlMesh> mesh = ControlMesh::create(description);
-    const Result<Refinement> refinement = build_refinement(*mesh, {level, false});
-    const Topology& last = refinement->last();
-    const std::vector<uint32_t> sides = sides_of_vertices(*refinement);
+    return std::move(*build_refinement(*mesh, {level, false}));
+}
+
+Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level) {
+    const Refinement refinement = refine_polygon(options, n, level);
+    const Topology& last = refinement.last();
+    const std::vector<uint32_t> sides = sides_of_vertices(refinement);
     Block block;
     block.turned.resize(size_t{2} * n);
     std::vector<bool> seen(last.vertex_count);

@@ -25,6 +25,9 @@ struct Block {
     }
 };
 
+/// A face of n corners alone, refined `level` times.
+Refinement refine_polygon(const SchemeOptions& options, uint32_t n, uint32_t level);
+
 /// The block of a face of n corners, refined `level` times.
 Block build_block(const SchemeOptions& options, uint32_t n, uint32_t level);
 

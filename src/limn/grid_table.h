@@ -73,13 +73,16 @@ struct GridTable {
     Array<uint32_t> placement_samples;
     std::vector<GridLattice> lattices;  ///< one per placement, of use to surfaces that are bicubic patches; none for triangles
     Array<GridSurface> surfaces;
+    /// Empty, or of a refined grid: a sample w of a placement is sample slots[surface.ptex_face + (w >> kGridOffsetBits)]
+    /// + (w modulo 2^kGridOffsetBits), or left out where that slot is kInvalidIndex.
+    Array<uint32_t> slots;
     Array<float> weights;
     uint64_t total_sample_count = 0;
 
     uint64_t sample_count() const { return total_sample_count; }
     uint64_t bytes() const {
         return classes.size() * sizeof(GridClass) + placements.size() * sizeof(GridPlacement) +
-               placement_samples.bytes() + lattices.size() * sizeof(GridLattice) +
+               placement_samples.bytes() + lattices.size() * sizeof(GridLattice) + slots.bytes() +
                surfaces.bytes() + weights.bytes();
     }
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "limn/face_groups.h"
+#include "limn/face_numbers.h"
 #include "limn/shared/patch_basis.h"
 
 namespace limn {
@@ -69,28 +70,66 @@ bool match_bicubic(const QuadLattice& lattice, const Weights& weights, std::arra
     return true;
 }
 
+/// Faces of one size: how their points are numbered, and where the placements of their orientations begin.
+struct FaceSize {
+    FaceNumbers numbers;
+    uint32_t first_placement = 0;
+};
+
 /// One group of faces: what its surfaces have in common, and where its part of each array begins.
 struct GroupPlan {
     uint32_t ring_size = 0, target_count = 0;
-    uint64_t first_ring = 0, first_sample = 0, first_weight = 0;
+    uint64_t first_ring = 0, first_slot = 0;
 };
 
 struct Builder {
     const Job& job;
     const Groups& groups;
-    std::vector<GroupPlan> plans;
-    const QuadLattice* lattice;  ///< null where no face is a quad of Catmull-Clark
+    std::optional<QuadLattice> lattice;  ///< none where no face is a quad of Catmull-Clark
     RefinedGridTable& out;
+    std::map<uint32_t, FaceSize> sizes = {};
+    std::vector<GroupPlan> plans = {};
 
     uint32_t group_size(size_t g) const { return groups.first[g + 1] - groups.first[g]; }
+    bool has_lattice(uint32_t n) const { return lattice && n == 4; }
+    /// Samples of quads are in rows of their lattice.
+    size_t sample_of(uint32_t n, size_t target) const {
+        if (!has_lattice(n)) return target;
+        return size_t{lattice->positions[target][1]} * lattice->side + lattice->positions[target][0];
+    }
+    Result<void> place_faces();
     Result<void> plan_groups(uint64_t max_weight_bytes);
     void write_group(size_t g, std::span<const Member> members);
-    void write_member(const GroupPlan& plan, const GridClass& c, const std::array<uint32_t, kRegularRing>& ring_of_place,
-                      uint32_t surface, const Member& member, MemberScratch& scratch);
+    void write_member(size_t g, uint32_t surface, const std::array<uint32_t, kRegularRing>* ring_of_place, const Member& member,
+                      Neighborhood& hood);
     void add_loose_vertices();
 };
 
-/// Sizes of all arrays. Rings and samples of the vertices without faces come last.
+/// Placements of all sizes and orientations, and one more for vertices without faces.
+Result<void> Builder::place_faces() {
+    std::vector<uint32_t> samples;
+    auto add = [&](uint32_t n, std::span<const uint32_t> words) {
+        const auto first = static_cast<uint32_t>(samples.size()), count = static_cast<uint32_t>(words.size());
+        out.grid.placements.push_back({1, 0, 0, 1, first, count});
+        out.grid.lattices.push_back(has_lattice(n) ? GridLattice{0, 0, 1, lattice->side, lattice->side, first} : GridLattice{});
+        samples.resize(samples.size() + count);
+        for (size_t t = 0; t < count; ++t) samples[first + sample_of(n, t)] = words[t];
+    };
+    for (const auto& [n, block] : job.blocks) {
+        auto numbers = number_face(job.base().options, block, n, out.level);
+        if (!numbers) return numbers.error();
+        const auto first = static_cast<uint32_t>(out.grid.placements.size());
+        for (const std::vector<uint32_t>& words : numbers->words) add(n, words);
+        sizes.emplace(n, FaceSize{std::move(*numbers), first});
+    }
+    const uint32_t only = 0;
+    add(0, {&only, 1});
+    out.grid.placement_samples.allocate(samples.size());
+    std::copy(samples.begin(), samples.end(), out.grid.placement_samples.begin());
+    return {};
+}
+
+/// Sizes of all arrays. What belongs to vertices without faces comes last.
 Result<void> Builder::plan_groups(uint64_t max_weight_bytes) {
     plans.resize(groups.first.size() - 1);
     tbb::parallel_for(size_t{0}, plans.size(), [&](size_t g) {
@@ -100,90 +139,82 @@ Result<void> Builder::plan_groups(uint64_t max_weight_bytes) {
         plans[g].ring_size = static_cast<uint32_t>(hood.ring.size());
         plans[g].target_count = static_cast<uint32_t>(job.block(member.face).places.size());
     });
-    uint64_t rings = 0, samples = 0, weights = 0;
+    uint64_t rings = 0, slots = 0, weights = 0, loose = 0;
     for (size_t g = 0; g < plans.size(); ++g) {
         GroupPlan& plan = plans[g];
         plan.first_ring = rings;
-        plan.first_sample = samples;
-        plan.first_weight = weights;
+        plan.first_slot = slots;
         uint64_t ring_groups = (plan.ring_size + 3) / 4;
         if (ring_groups > 8) ring_groups = (ring_groups + 7) / 8 * 8;
+        out.grid.classes.push_back({plan.ring_size, static_cast<uint32_t>(ring_groups), plan.target_count,
+                                    static_cast<uint32_t>(weights), shared::kGridCornersFirst});
+        const uint32_t n = job.base().size_of_face(groups.members[groups.first[g]].face);
         rings += uint64_t{plan.ring_size} * group_size(g);
-        samples += uint64_t{plan.target_count} * group_size(g);
+        slots += uint64_t{sizes.at(n).numbers.slot_count} * group_size(g);
         weights += ring_groups * plan.target_count;
         if (weights * 16 > max_weight_bytes)
             return Error{ErrorCode::too_large, "refinement to level " + std::to_string(out.level) + " face by face needs more than " +
                                                    std::to_string(max_weight_bytes >> 20) + " MiB of weights"};
-        out.grid.classes.push_back({plan.ring_size, static_cast<uint32_t>(ring_groups), plan.target_count,
-                                    static_cast<uint32_t>(plan.first_weight), shared::kGridCornersFirst});
     }
-    uint64_t loose = 0;
     for_each_loose_vertex(job.base(), [&](uint32_t) { ++loose; });
-    if (rings + loose > 0xffffffffu || samples + loose > 0xffffffffu)
+    if (rings + loose > 0xffffffffu || slots + loose > 0xffffffffu)
         return Error{ErrorCode::too_large, "refinement face by face refers to 2^32 points or more"};
     out.ring_points.allocate(rings + loose);
-    out.grid.placement_samples.allocate(samples + loose);
+    out.grid.slots.allocate(slots + loose);
     out.grid.weights.assign(4 * (weights + (loose != 0 ? 1 : 0)), 0.0f);
     out.grid.surfaces.allocate(job.base().face_count + loose);
-    out.grid.placements.resize(job.base().face_count + loose);
-    out.grid.lattices.resize(job.base().face_count + loose);
     return {};
 }
 
-void Builder::write_member(const GroupPlan& plan, const GridClass& c,
-                           const std::array<uint32_t, kRegularRing>& ring_of_place, uint32_t surface, const Member& member,
-                           MemberScratch& scratch) {
-    const bool regular = c.corners == shared::kGridCornersBicubic;
-    const uint32_t index = surface - groups.first[&plan - plans.data()];
+void Builder::write_member(size_t g, uint32_t surface, const std::array<uint32_t, kRegularRing>* ring_of_place,
+                           const Member& member, Neighborhood& hood) {
+    const GroupPlan& plan = plans[g];
+    const uint32_t n = job.base().size_of_face(member.face), index = surface - groups.first[g];
+    const FaceSize& size = sizes.at(n);
     const auto first_ring = static_cast<uint32_t>(plan.first_ring + uint64_t{index} * plan.ring_size);
-    const auto first_sample = static_cast<uint32_t>(plan.first_sample + uint64_t{index} * plan.target_count);
-    find_member_ring(job, member, scratch.hood);
+    const auto first_slot = static_cast<uint32_t>(plan.first_slot + uint64_t{index} * size.numbers.slot_count);
+    find_member_ring(job, member, hood);
     for (uint32_t j = 0; j < plan.ring_size; ++j)
-        out.ring_points[first_ring + j] = scratch.hood.ring[regular ? ring_of_place[j] : j];
-    for_each_target(job, member, scratch.vertices, [&](size_t target, uint32_t v, bool owned) {
-        size_t sample = target;
-        if (regular) sample = size_t{lattice->positions[target][1]} * lattice->side + lattice->positions[target][0];
-        out.grid.placement_samples[first_sample + sample] = owned ? v : kInvalidIndex;
-    });
-    out.grid.surfaces[surface] = {first_ring, 0, surface, static_cast<uint32_t>(&plan - plans.data())};
-    out.grid.placements[surface] = {1, 0, 0, 1, first_sample, plan.target_count};
-    if (regular) out.grid.lattices[surface] = {0, 0, 1, lattice->side, lattice->side, first_sample};
+        out.ring_points[first_ring + j] = hood.ring[ring_of_place != nullptr ? (*ring_of_place)[j] : j];
+    write_face_slots(job.base(), job.counts, size.numbers, out.level, member.face,
+                     {out.grid.slots.data() + first_slot, size.numbers.slot_count});
+    const Orientation& o = member.orientation;
+    out.grid.surfaces[surface] = {first_ring, first_slot, size.first_placement + o.rotation + (o.mirrored ? n : 0),
+                                  static_cast<uint32_t>(g)};
 }
 
 void Builder::write_group(size_t g, std::span<const Member> members) {
     const GroupPlan& plan = plans[g];
     GridClass& c = out.grid.classes[g];
+    const uint32_t n = job.base().size_of_face(members[0].face);
     std::array<uint32_t, kRegularRing> ring_of_place = {};
     {
         Program program;
         Weights weights;
         write_member_program(job, members[0], program);
         run_weights(program, weights);
-        if (lattice != nullptr && plan.ring_size == kRegularRing && job.base().size_of_face(members[0].face) == 4 &&
-            match_bicubic(*lattice, weights, ring_of_place))
+        if (has_lattice(n) && plan.ring_size == kRegularRing && match_bicubic(*lattice, weights, ring_of_place))
             c.corners = shared::kGridCornersBicubic;
         const bool regular = c.corners == shared::kGridCornersBicubic;
-        for (uint32_t t = 0; t < plan.target_count; ++t) {
-            const uint32_t sample = regular ? lattice->positions[t][1] * lattice->side + lattice->positions[t][0] : t;
+        for (uint32_t t = 0; t < plan.target_count; ++t)
             for (uint32_t j = 0; j < plan.ring_size; ++j)
-                out.grid.weights[4 * (plan.first_weight + uint64_t{j / 4} * plan.target_count + sample) + j % 4] =
+                out.grid.weights[4 * (c.first_weight + uint64_t{j / 4} * plan.target_count + sample_of(n, t)) + j % 4] =
                     static_cast<float>(weights.rows[t * weights.stride + (regular ? ring_of_place[j] : j)]);
-        }
     }
+    const auto* places = c.corners == shared::kGridCornersBicubic ? &ring_of_place : nullptr;
     tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
-        MemberScratch scratch;
+        Neighborhood hood;
         for (size_t i = range.begin(); i != range.end(); ++i)
-            write_member(plan, c, ring_of_place, groups.first[g] + static_cast<uint32_t>(i), members[i], scratch);
+            write_member(g, groups.first[g] + static_cast<uint32_t>(i), places, members[i], hood);
     });
 }
 
 /// Control points that no face uses are points of every level.
 void Builder::add_loose_vertices() {
     uint32_t surface = job.base().face_count;
-    auto ring = static_cast<uint32_t>(out.ring_points.size()), sample = static_cast<uint32_t>(out.grid.placement_samples.size());
-    ring -= static_cast<uint32_t>(out.grid.surfaces.size()) - surface;
-    sample -= static_cast<uint32_t>(out.grid.surfaces.size()) - surface;
-    if (surface == out.grid.surfaces.size()) return;
+    const auto loose = static_cast<uint32_t>(out.grid.surfaces.size()) - surface;
+    if (loose == 0) return;
+    auto ring = static_cast<uint32_t>(out.ring_points.size()) - loose, slot = static_cast<uint32_t>(out.grid.slots.size()) - loose;
     const size_t weight = out.grid.weights.size() / 4 - 1;
     out.grid.weights[4 * weight] = 1;
     const auto number = static_cast<uint32_t>(out.grid.classes.size());
@@ -191,10 +222,9 @@ void Builder::add_loose_vertices() {
     const Array<uint32_t>& map = job.refinement.control_indices;
     for_each_loose_vertex(job.base(), [&](uint32_t v) {
         out.ring_points[ring] = map.empty() ? v : map[v];
-        out.grid.placement_samples[sample] = v;
-        out.grid.surfaces[surface] = {ring, 0, surface, number};
-        out.grid.placements[surface] = {1, 0, 0, 1, sample, 1};
-        ++surface, ++ring, ++sample;
+        out.grid.slots[slot] = v;
+        out.grid.surfaces[surface] = {ring, slot, static_cast<uint32_t>(out.grid.placements.size() - 1), number};
+        ++surface, ++ring, ++slot;
     });
 }
 
@@ -215,10 +245,10 @@ Result<RefinedGridTable> build_refined_grid_table(const Refinement& refinement, 
     out.grid.ptex_count = out.grid.faces_per_pass = 1;
     out.grid.samples_per_face = job->counts.back().vertices;
     out.grid.total_sample_count = out.grid.samples_per_face;
-    std::optional<QuadLattice> lattice;
+    Builder builder{*job, *groups, {}, out};
     if (job->base().options.scheme == Scheme::catmull_clark && job->blocks.count(4) != 0)
-        lattice.emplace(job->blocks.at(4), options.level);
-    Builder builder{*job, *groups, {}, lattice ? &*lattice : nullptr, out};
+        builder.lattice.emplace(job->blocks.at(4), options.level);
+    if (auto placed = builder.place_faces(); !placed) return placed.error();
     if (auto planned = builder.plan_groups(options.max_weight_bytes); !planned) return planned.error();
     for_each_group(*groups, [&](size_t g, std::span<const Member> members) { builder.write_group(g, members); });
     builder.add_loose_vertices();

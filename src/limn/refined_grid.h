@@ -9,8 +9,8 @@
 namespace limn {
 
 /// Points of one level of uniform refinement, numbered as Refinement does. As a "grid": its only face has all of them,
-/// sample s is vertex s of the level, and surfaces are faces of the control mesh. Ring point j of a surface is
-/// ring_points[surface.first_ring + j], a control point.
+/// sample s is vertex s of the level, and surfaces are faces of the control mesh, whose samples are numbered by slots. Ring
+/// point j of a surface is ring_points[surface.first_ring + j], a control point.
 struct RefinedGridTable {
     uint32_t level = 0;
     uint32_t source_count = 0;  ///< control points

@@ -35,6 +35,7 @@ const uint kGridLoadsConstant = 6;        // how often `groups` ring points are 
 const uint kGridCornersConstant = 7;
 const uint kGridSurfacesConstant = 8;  // of a tile
 const uint kGridPairedConstant = 9;    // 1: value and normal are six floats at an even index
+const uint kGridSlottedConstant = 11;  // 1: samples are numbered by slots
 const uint kGridRefinedConstant = 10;  // of grid_rows_texel. 1: control points that are step / rate apart
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
@@ -54,6 +55,10 @@ const uint kGridNoSample = 0xffffffffu;
 const uint kGridRecordWords = 3;
 const uint kGridRowsHeader = 9;
 const uint kGridRowsWorkgroupSize = 16;
+
+// Of refined grids (grid_table.h): a sample is slot << kGridOffsetBits | offset; a surface has where its slots begin in
+// place of its ptex face.
+const uint kGridOffsetBits = 20;
 
 // Push constants. Component c of sample s of the pass is the float at base + s * stride + c of its buffer.
 struct GridEvalParams {

@@ -82,14 +82,19 @@ PlacementWords append_placements(const GridTable& table, const std::vector<bool>
     return out;
 }
 
-void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, uint32_t capacity,
+/// The second word of a surface.
+uint32_t face_word(const GridTable& table, const GridSurface& s, uint32_t first_slot) {
+    return table.slots.empty() ? s.ptex_face % table.faces_per_pass : first_slot + s.ptex_face;
+}
+
+void append_tile(const GridTable& table, std::span<const GridSurface> surfaces, uint32_t capacity, uint32_t first_slot,
                  const std::vector<uint32_t>& placements, std::vector<uint32_t>& words) {
     const GridClass& c = table.classes[surfaces[0].grid_class];
     const size_t end = words.size() + shared::kGridTileHeader + shared::kGridTileSurfaceWords * capacity;
     words.insert(words.end(), {c.first_weight, static_cast<uint32_t>(surfaces.size()), c.ring_size});
     for (const GridSurface& s : surfaces)
         words.insert(words.end(),
-                     {s.first_ring, s.ptex_face % table.faces_per_pass, placements[s.placement]});
+                     {s.first_ring, face_word(table, s, first_slot), placements[s.placement]});
     words.resize(end, 0);
 }
 
@@ -113,7 +118,7 @@ void add_tiles(const GridClass& c, std::span<const GridSurface> surfaces, Batche
 /// Records of the regular patches of a pass, alike lattices side by side, since lanes of a vector go through theirs
 /// together.
 void add_records(const GridTable& table, uint32_t pass, std::vector<const GridSurface*>& surfaces,
-                 const std::vector<uint32_t>& placements, GridWords& out) {
+                 const std::vector<uint32_t>& placements, uint32_t first_slot, GridWords& out) {
     if (surfaces.empty()) return;
     std::stable_sort(surfaces.begin(), surfaces.end(),
                      [](const GridSurface* a, const GridSurface* b) { return a->placement < b->placement; });
@@ -124,7 +129,7 @@ void add_records(const GridTable& table, uint32_t pass, std::vector<const GridSu
     batch.by_rows = true;
     out.batches.push_back(batch);
     for (const GridSurface* s : surfaces)
-        out.words.insert(out.words.end(), {s->first_ring, s->ptex_face % table.faces_per_pass, placements[s->placement]});
+        out.words.insert(out.words.end(), {s->first_ring, face_word(table, *s, first_slot), placements[s->placement]});
 }
 
 /// Whether surfaces of each class are for grid_rows_texel. A CPU device ends loops after 65,535 rounds, all of an
@@ -141,9 +146,11 @@ std::vector<bool> find_row_classes(const GridTable& table, bool cpu_device) {
 GridWords lay_out(const GridTable& table, bool cpu_device) {
     GridWords out;
     out.words.push_back(0);
+    const auto first_slot = static_cast<uint32_t>(out.words.size());
+    out.words.insert(out.words.end(), table.slots.begin(), table.slots.end());
     const std::vector<bool> by_rows = find_row_classes(table, cpu_device);
     const PlacementWords placements = append_placements(table, by_rows, out.words);
-    auto pass_of = [&](size_t i) { return table.surfaces[i].ptex_face / table.faces_per_pass; };
+    auto pass_of = [&](size_t i) { return table.slots.empty() ? table.surfaces[i].ptex_face / table.faces_per_pass : 0; };
     for (size_t begin = 0, end = 0; begin < table.surfaces.size(); begin = end) {
         const uint32_t pass = pass_of(begin);
         Batches batches;
@@ -160,12 +167,12 @@ GridWords lay_out(const GridTable& table, bool cpu_device) {
             else
                 add_tiles(table.classes[grid_class], surfaces, batches);
         }
-        add_records(table, pass, records, placements.row_offsets, out);
+        add_records(table, pass, records, placements.row_offsets, first_slot, out);
         for (const auto& [key, tiles] : batches) {
             out.batches.push_back({key[0], key[1], key[2], pass, key[3],
                                    static_cast<uint32_t>(out.words.size()),
                                    static_cast<uint32_t>(tiles.size())});
-            for (const auto& tile : tiles) append_tile(table, tile, key[3], placements.offsets, out.words);
+            for (const auto& tile : tiles) append_tile(table, tile, key[3], first_slot, placements.offsets, out.words);
         }
     }
     return out;
