@@ -102,8 +102,18 @@ void main() {
     } else {
         for (uint load = 0; load < kLoads; ++load) {
             if (load != 0) barrier();
+            // Part by part: long sums lose fewer bits.
+            Sums part[kSurfaces];
+            [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
+                part[t] = sums[t];
+                for (uint k = 0; k < 3; ++k) part[t].values[k] = vec4(0);
+            }
             add_ring(tile, surface_count, ring_size, load * kRing,
-                     weight + load * kGroups * kValueCount * params.sample_count, sums);
+                     weight + load * kGroups * kValueCount * params.sample_count, part);
+            [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
+                for (uint k = 0; k < 3; ++k) part[t].values[k] += sums[t].values[k];
+                sums[t] = part[t];
+            }
         }
     }
     const bool inside = group < params.tile_count * params.chunk_count && invocation < params.sample_count;

@@ -138,6 +138,19 @@ struct Lattices {
 /// A plan and a lattice.
 using ClassKey = std::pair<uint32_t, uint32_t>;
 
+/// The points of a plan that is one patch are those of its ring, one by one.
+template <class Real>
+bool is_patch_over_ring(const BasicPatchTable<Real>& table, const Plan& plan) {
+    const PlanNode& root = table.plan_nodes[plan.first_node];
+    if (plan.row_count != plan.ring_size || plan.ring_size != shared::patch_point_count(static_cast<uint32_t>(root.kind())))
+        return false;
+    for (uint32_t k = 0; k < plan.ring_size; ++k) {
+        const uint32_t row = table.plan_points[plan.first_point + root.first + k];
+        if (table.plan_weights[plan.first_weight + row * shared::plan_row_stride(plan.ring_size) + k] != 1) return false;
+    }
+    return true;
+}
+
 template <class Real>
 GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size_t sample_count) {
     const uint32_t ring = table.plans[plan].ring_size;
@@ -145,8 +158,7 @@ GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size
     if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
     // Rings begin with the corners, except for those of patches.
     const PlanNodeKind root = table.plan_nodes[table.plans[plan].first_node].kind();
-    const bool regular =
-        table.plans[plan].row_count == ring && ring == shared::patch_point_count(static_cast<uint32_t>(root));
+    const bool regular = is_patch_over_ring(table, table.plans[plan]);
     if (table.options.scheme == Scheme::loop) c.corners = shared::kGridCornersTriangle;
     if (regular && root == PlanNodeKind::bicubic) c.corners = shared::kGridCornersBicubic;
     if (regular && root == PlanNodeKind::box_spline) c.corners = shared::kGridCornersBoxSpline;

@@ -1,8 +1,9 @@
 // Every shape of the suite, refined on the device: chains, composed tables, limits, varying and face-varying
 // data, against the same tables in double. Those are compared with OpenSubdiv elsewhere.
 #include <algorithm>
+#include <functional>
 
-#include "limn/vulkan/evaluator.h"
+#include "limn/vulkan/surface_evaluator.h"
 #include "shapes/shapes.h"
 #include "vulkan/vulkan_test.h"
 
@@ -64,6 +65,22 @@ class RefineOnDevice : public VulkanTest {
             << what;
     }
 
+    std::vector<float> run(const SurfaceEvaluator& evaluator, const RefinedGridTable& table, const std::vector<float>& source,
+                           uint32_t width) {
+        const auto uploaded = *upload_refined_grid_table(device(), table);
+        const Buffer points = *create_point_buffer(device(), source);
+        const Buffer refined = *create_point_buffer(device(), std::vector<float>(size_t{table.point_count()} * (width + 1) + 2, -7.0f));
+        const auto evaluation = evaluator.prepare_refined({.table = &uploaded,
+                                                           .width = width,
+                                                           .source = {.buffer = points.handle, .stride = width},
+                                                           .refined = {.buffer = refined.handle, .first = 2, .stride = width + 1}});
+        EXPECT_TRUE(evaluation);
+        Result<Commands> commands = Commands::begin(device());
+        evaluation->record(*commands);
+        EXPECT_TRUE(commands->submit_and_wait());
+        return *download<float>(device(), refined, size_t{table.point_count()} * (width + 1) + 2);
+    }
+
     void check(const TestMesh& shape);
     void check_channel(const TestMesh& shape, const ControlMesh& mesh, uint32_t channel, uint32_t level);
 
@@ -117,6 +134,77 @@ TEST_F(RefineOnDevice, gives_the_points_of_the_tables_in_double) {
         if (!shape.channels.empty() && ++count % 3 != 0) continue;
         check(shape);
         if (HasFailure()) break;
+    }
+}
+
+/// Refined grids of the shape, of vertices and of a channel, whose widths and strides differ.
+void check_refined_grid(const TestMesh& shape, const ControlMesh& mesh,
+                        const std::function<std::vector<float>(const RefinedGridTable&, const std::vector<float>&, uint32_t)>& run) {
+    auto compare = [&](const Refinement& base, const std::vector<float>& source, uint32_t width, const char* what) {
+        const uint32_t level = shape.vertex_count < 60 ? 3 : 2;
+        const auto table = build_refined_grid_table(base, {.level = level});
+        const auto expected = build_stencil_table<double>(base, level);
+        EXPECT_EQ(table.has_value(), expected.has_value());
+        if (!table) return;
+        HostPoints host{std::vector<double>(size_t{expected->row_count()} * width), width};
+        apply_stencil_table<double>(*expected, std::vector<double>(source.begin(), source.end()), host.values, width);
+        std::vector<float> values = run(*table, source, width);
+        for (size_t v = 0; v + 1 < table->point_count(); ++v)
+            EXPECT_EQ(values[2 + v * (width + 1) + width], -7.0f) << "written between points";
+        EXPECT_TRUE(points_match(host, {std::move(values), 2, width + 1}, tolerance_of(source, width))) << what;
+    };
+    compare(*build_refinement(mesh, {.level = 0}), shape.positions, 3, "vertices");
+    if (!mesh.channels.empty())
+        compare(*build_face_varying_refinement(mesh, 0, {0, false}), shape.channels[0].values, 2, "channel");
+}
+
+TEST_F(RefineOnDevice, gives_the_points_of_refined_grids) {
+    const auto by_rows = SurfaceEvaluator::create(device());
+    ASSERT_TRUE(by_rows);
+    size_t count = 0;
+    for (const TestMesh& shape : limn::test::all_shapes()) {
+        SCOPED_TRACE(shape.name);
+        if (!shape.channels.empty() && ++count % 3 != 0) continue;
+        const Result<ControlMesh> mesh = ControlMesh::create(shape.description());
+        check_refined_grid(shape, *mesh, [&](const auto& table, const auto& source, uint32_t width) {
+            return run(*by_rows, table, source, width);
+        });
+        if (HasFailure()) break;
+    }
+}
+
+TEST_F(RefineOnDevice, gives_the_points_of_refined_grids_as_gpus_do) {
+    pretend_gpu();
+    const auto by_tiles = SurfaceEvaluator::create(device());
+    ASSERT_TRUE(by_tiles);
+    size_t count = 0;
+    for (const TestMesh& shape : limn::test::all_shapes()) {
+        SCOPED_TRACE(shape.name);
+        if (++count % 5 != 0) continue;
+        const Result<ControlMesh> mesh = ControlMesh::create(shape.description());
+        check_refined_grid(shape, *mesh, [&](const auto& table, const auto& source, uint32_t width) {
+            return run(*by_tiles, table, source, width);
+        });
+        if (HasFailure()) break;
+    }
+}
+
+TEST_F(RefineOnDevice, refuses_refined_grids_that_make_no_sense) {
+    const auto evaluator = SurfaceEvaluator::create(device());
+    const Result<ControlMesh> mesh = ControlMesh::create(limn::test::make_cube().description());
+    const auto base = build_refinement(*mesh, {.level = 0});
+    for (const uint32_t level : {0u, 8u})
+        EXPECT_EQ(build_refined_grid_table(*base, {.level = level}).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(build_refined_grid_table(*base, {.level = 5, .max_weight_bytes = 1000}).error().code, ErrorCode::too_large);
+    const auto table = *upload_refined_grid_table(device(), *build_refined_grid_table(*base, {.level = 2}));
+    const Buffer points = *create_point_buffer(device(), std::vector<float>(3000));
+    const RefinedGridInfo good = {.table = &table, .source = {.buffer = points.handle}, .refined = {.buffer = points.handle}};
+    for (const auto& spoil : std::initializer_list<void (*)(RefinedGridInfo&)>{
+             [](RefinedGridInfo& i) { i.table = nullptr; }, [](RefinedGridInfo& i) { i.width = 5; },
+             [](RefinedGridInfo& i) { i.source.stride = 2; }, [](RefinedGridInfo& i) { i.refined.buffer = VK_NULL_HANDLE; }}) {
+        RefinedGridInfo bad = good;
+        spoil(bad);
+        EXPECT_EQ(evaluator->prepare_refined(bad).error().code, ErrorCode::invalid_argument);
     }
 }
 
