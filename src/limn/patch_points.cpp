@@ -1,6 +1,7 @@
 #include "limn/patch_points.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace limn {
 namespace {
@@ -96,31 +97,40 @@ Corner classify(const Topology& t, uint32_t c) {
     return corner;
 }
 
-void add(Row& to, const Row& from, double weight) {
+void add(PatchPoint& to, const PatchPoint& from, double weight) {
     for (const RowEntry& e : from) {
-        size_t i = 0;
-        while (i < to.size() && to[i].index != e.index) ++i;
-        if (i == to.size()) to.push_back({e.index, 0});
-        to[i].weight += weight * e.weight;
+        uint32_t i = 0;
+        while (i < to.count && to.entries[i].index != e.index) ++i;
+        if (i == to.count) {
+            assert(i < PatchPoint::kMaxEntries);
+            to.entries[to.count++] = {e.index, 0};
+        }
+        to.entries[i].weight += weight * e.weight;
     }
 }
-Row twice_less(const Row& a, const Row& b) {
-    Row row;
-    add(row, a, 2);
-    add(row, b, -1);
-    return row;
+PatchPoint vertex(uint32_t v) {
+    PatchPoint point;
+    point.entries[0] = {v, 1};
+    point.count = 1;
+    return point;
+}
+PatchPoint twice_less(const PatchPoint& a, const PatchPoint& b) {
+    PatchPoint point;
+    add(point, a, 2);
+    add(point, b, -1);
+    return point;
 }
 /// a + b - c.
-Row parallelogram(const Row& a, const Row& b, const Row& c) {
-    Row row;
-    add(row, a, 1);
-    add(row, b, 1);
-    add(row, c, -1);
-    return row;
+PatchPoint parallelogram(const PatchPoint& a, const PatchPoint& b, const PatchPoint& c) {
+    PatchPoint point;
+    add(point, a, 1);
+    add(point, b, 1);
+    add(point, c, -1);
+    return point;
 }
-Row vertex_at(const Topology& t, uint32_t corner, uint32_t steps) {
+PatchPoint vertex_at(const Topology& t, uint32_t corner, uint32_t steps) {
     for (; steps != 0; --steps) corner = t.next_corner(corner);
-    return {{t.face_vertices[corner], 1}};
+    return vertex(t.face_vertices[corner]);
 }
 
 uint32_t other_corner(const Topology& t, uint32_t c) {
@@ -131,9 +141,9 @@ uint32_t other_corner(const Topology& t, uint32_t c) {
 /// The 4 by 4 net around a quad; u is columns.
 void fill_quad(const Topology& t, uint32_t face, const Corner (&corners)[4], PatchPoints& out) {
     constexpr int at[4] = {5, 6, 10, 9}, away[4] = {-4, 1, 4, -1};
-    auto point = [&](int i) -> Row& { return out.points[static_cast<size_t>(i)]; };
+    auto point = [&](int i) -> PatchPoint& { return out.points[static_cast<size_t>(i)]; };
     const uint32_t begin = t.face_begin(face);
-    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = {{t.face_vertices[begin + k], 1}};
+    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = vertex(t.face_vertices[begin + k]);
     for (uint32_t k = 0; k < 4; ++k) {
         const int a = at[k], b = at[(k + 1) & 3], d = away[k];
         if (corners[k].sharp_next) {
@@ -169,18 +179,18 @@ void fill_triangle(const Topology& t, uint32_t face, const Corner (&corners)[4],
     constexpr int du[6] = {1, 0, -1, -1, 0, 1}, dv[6] = {0, 1, 1, 0, -1, -1};
     constexpr int u[3] = {0, 1, 0}, v[3] = {0, 0, 1};
     const uint32_t begin = t.face_begin(face);
-    auto point = [&](uint32_t k, uint32_t turn) -> Row& {
+    auto point = [&](uint32_t k, uint32_t turn) -> PatchPoint& {
         const uint32_t d = (2 * k + turn) % 6;
         return out.points[static_cast<size_t>(lattice_index(u[k] + du[d], v[k] + dv[d]))];
     };
-    auto own = [&](uint32_t k) -> Row& { return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))]; };
-    for (uint32_t k = 0; k < 3; ++k) own(k) = {{t.face_vertices[begin + k], 1}};
+    auto own = [&](uint32_t k) -> PatchPoint& { return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))]; };
+    for (uint32_t k = 0; k < 3; ++k) own(k) = vertex(t.face_vertices[begin + k]);
     for (uint32_t k = 0; k < 3; ++k)
         point(k, 5) = corners[k].sharp_next ? parallelogram(own(k), own((k + 1) % 3), own((k + 2) % 3))
                                             : vertex_at(t, other_corner(t, begin + k), 2);
     for (uint32_t k = 0; k < 3; ++k) {
-        const Row &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2), &n5 = point(k, 5);
-        Row &n3 = point(k, 3), &n4 = point(k, 4);
+        const PatchPoint &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2), &n5 = point(k, 5);
+        PatchPoint &n3 = point(k, 3), &n4 = point(k, 4);
         const int after = corner_after(t, begin + k), before = corner_before(t, begin + k);
         if (corners[k].kind == CornerKind::corner) {
             n3 = twice_less(p, n0);
@@ -272,7 +282,7 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
     if (linear) {
         out.kind = size == 3 ? PlanNodeKind::linear : PlanNodeKind::bilinear;
         out.count = size;
-        for (uint32_t k = 0; k < size; ++k) out.points[k] = {{t.face_vertices[begin + k], 1}};
+        for (uint32_t k = 0; k < size; ++k) out.points[k] = vertex(t.face_vertices[begin + k]);
         return true;
     }
     Corner corners[4];

@@ -9,11 +9,22 @@
 
 namespace limn {
 
+/// A row of a few entries.
+struct PatchPoint {
+    static constexpr size_t kMaxEntries = 6;
+    std::array<RowEntry, kMaxEntries> entries;
+    uint32_t count = 0;
+
+    size_t size() const { return count; }
+    const RowEntry* begin() const { return entries.data(); }
+    const RowEntry* end() const { return entries.data() + count; }
+};
+
 /// A patch's points as weighted sums of vertices; what lies beyond an infinitely sharp edge is extrapolated.
 struct PatchPoints {
     PlanNodeKind kind = PlanNodeKind::bicubic;
     uint32_t count = 0;
-    std::array<Row, 16> points;
+    std::array<PatchPoint, 16> points;
     /// Bicubic: the sharpness of crease_edge, the only one of the face that is neither smooth nor infinite;
     /// else 0. The surface then is that of these points refined across that edge.
     float crease_sharpness = 0;

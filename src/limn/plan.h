@@ -65,7 +65,10 @@ struct NewPlan {
 };
 using KnownPlans = std::unordered_map<PlanKey, uint32_t, PlanKeyHash>;
 
+struct PlanScratch;  ///< plan_scratch.h
+
 /// Builds a plan. What it refers to and is not known comes with a request.
-NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known);
+NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
+                   PlanScratch& scratch);
 
 }  // namespace limn

@@ -1,6 +1,9 @@
 #include "limn/plan_set.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include "limn/parallel.h"
+#include "limn/plan_scratch.h"
 
 namespace limn {
 
@@ -11,6 +14,7 @@ const BuiltPlan* PlanSet::find_cached(const PlanKey& key) const {
 }
 
 Result<void> PlanSet::build() {
+    tbb::enumerable_thread_specific<PlanScratch> scratch;
     while (!requests_.empty()) {
         const std::vector<Request> batch = std::exchange(requests_, {});
         for (const Request& r : batch)
@@ -20,7 +24,10 @@ Result<void> PlanSet::build() {
         std::vector<NewPlan> built(batch.size());
         for_each_index(
             static_cast<uint32_t>(batch.size()),
-            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_); }, 1);
+            [&](uint32_t i) {
+                built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local());
+            },
+            1);
         // In their order, so that numbers do not depend on threads.
         for (size_t i = 0; i < batch.size(); ++i) {
             std::vector<uint32_t> references;
