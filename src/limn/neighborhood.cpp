@@ -127,6 +127,76 @@ void walk_around(const WalkOptions& options, uint32_t f, Orientation orientation
     }
 }
 
+namespace {
+
+/// Hashes what a walk around fans meets, word by word; places in the ring go four to a word.
+struct FanHash {
+    uint64_t a = 0x9e3779b97f4a7c15, b = 0xd1b54a32d192ed03, places = 0;
+    uint32_t place_count = 0;
+
+    void put(uint64_t x) {
+        a = std::rotl((a ^ x) * 0xff51afd7ed558ccd, 29);
+        b = std::rotl(b + x, 31) * 0xc4ceb9fe1a85ec53 ^ b >> 33;
+    }
+    void put_place(uint32_t place) {
+        places = places << 16 | place;
+        if ((++place_count & 3) == 0) put(places);
+    }
+    void end_places() {
+        if ((place_count & 3) != 0) put(places);
+        places = place_count = 0;
+    }
+    std::array<uint64_t, 2> result() const {
+        const uint64_t x = a ^ b >> 32, y = b ^ x >> 29;
+        return {x * 0xff51afd7ed558ccd ^ x >> 32, y * 0xc4ceb9fe1a85ec53 ^ y >> 31};
+    }
+};
+
+/// What read_star lists of a fan of quads, or triangles, and in its order.
+void read_fan(const Topology& t, uint32_t corner, bool regular, Neighborhood& out, FanHash& hash) {
+    const uint32_t v = t.face_vertices[corner];
+    const auto corners = t.corners_of_vertex(v);
+    const auto edges = t.edges_of_vertex(v);
+    const auto own = static_cast<size_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    const bool closed = corners.size() == edges.size();
+    const size_t first = closed ? own : 0;
+    if (t.face_size == 4)
+        for (size_t n = 0, i = first; n < corners.size(); ++n, i = i + 1 == corners.size() ? 0 : i + 1)
+            hash.put_place(out.local(t.face_vertices[(corners[i] & ~3u) | ((corners[i] + 2) & 3)]));
+    for (size_t n = 0, i = first; n < edges.size(); ++n, i = i + 1 == edges.size() ? 0 : i + 1)
+        hash.put_place(out.local(t.other_vertex(edges[i], v)));
+    hash.end_places();
+    if (regular) return hash.put(0);
+    hash.put(1 | uint64_t{static_cast<uint32_t>(t.vertex_rules[v])} << 1 | (closed ? 0 : own) << 8 |
+             corners.size() << 24 | edges.size() << 40);
+    hash.put(bits(t.vertex_sharpness[v]));
+    for (size_t n = 0, i = first; n < edges.size(); ++n, i = i + 1 == edges.size() ? 0 : i + 1)
+        hash.put(bits(t.edge_sharpness[edges[i]]));
+}
+
+}  // namespace
+
+bool walk_around_fans(const Topology& t, uint32_t f, uint32_t rotation, const std::vector<uint8_t>& regular,
+                      Neighborhood& out, std::array<uint64_t, 2>& hash) {
+    constexpr size_t kMaxEdges = 0x1000;  // places and positions take 16 bits
+    if (t.face_size == 0 || !t.half_edge_sharpness.empty() || !t.dependent_vertices.empty()) return false;
+    const auto vertices = t.vertices_of_face(f);
+    for (const uint32_t v : vertices)
+        if (t.vertex_manifold[v] == 0 || t.edges_of_vertex(v).size() > kMaxEdges) return false;
+    out.ring.clear();
+    out.map.clear();
+    const auto size = static_cast<uint32_t>(vertices.size());
+    FanHash sum;
+    for (uint32_t i = 0; i < size; ++i) sum.put_place(out.local(vertices[(rotation + i) % size]));
+    sum.end_places();
+    for (uint32_t i = 0; i < size; ++i) {
+        const uint32_t k = (rotation + i) % size;
+        read_fan(t, t.face_begin(f) + k, regular[vertices[k]] != 0, out, sum);
+    }
+    hash = sum.result();
+    return true;
+}
+
 Orientation choose_orientation(const WalkOptions& options, uint32_t f, Neighborhood& scratch,
                                std::array<uint64_t, 2>& hash) {
     const Topology& t = options.base;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "limn/parallel.h"
+
 namespace limn {
 namespace {
 
@@ -183,13 +185,16 @@ void fill_triangle(const Topology& t, uint32_t face, const Corner (&corners)[4],
         const uint32_t d = (2 * k + turn) % 6;
         return out.points[static_cast<size_t>(lattice_index(u[k] + du[d], v[k] + dv[d]))];
     };
-    auto own = [&](uint32_t k) -> PatchPoint& { return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))]; };
+    auto own = [&](uint32_t k) -> PatchPoint& {
+        return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))];
+    };
     for (uint32_t k = 0; k < 3; ++k) own(k) = vertex(t.face_vertices[begin + k]);
     for (uint32_t k = 0; k < 3; ++k)
         point(k, 5) = corners[k].sharp_next ? parallelogram(own(k), own((k + 1) % 3), own((k + 2) % 3))
                                             : vertex_at(t, other_corner(t, begin + k), 2);
     for (uint32_t k = 0; k < 3; ++k) {
-        const PatchPoint &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2), &n5 = point(k, 5);
+        const PatchPoint &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2),
+                         &n5 = point(k, 5);
         PatchPoint &n3 = point(k, 3), &n4 = point(k, 4);
         const int after = corner_after(t, begin + k), before = corner_before(t, begin + k);
         if (corners[k].kind == CornerKind::corner) {
@@ -227,17 +232,20 @@ bool is_regular_corner(const Topology& t, uint32_t c) {
     return classify(t, c).kind != CornerKind::irregular;
 }
 
-bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count) {
+std::vector<uint8_t> find_regular_vertices(const Topology& t) {
+    std::vector<uint8_t> regular(t.vertex_count);
+    const size_t valence = t.options.scheme == Scheme::loop ? 6 : 4;
+    for_each_index(t.vertex_count, [&](uint32_t v) { regular[v] = is_plain_vertex(t, v, valence); });
+    return regular;
+}
+
+uint32_t write_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16]) {
     const bool triangles = t.options.scheme == Scheme::loop;
     const uint32_t size = triangles ? 3 : 4, begin = t.face_begin(face);
-    if (t.size_of_face(face) != size) return false;
-    count = linear ? size : triangles ? 12 : 16;
     if (linear) {
         std::copy_n(t.face_vertices.begin() + begin, size, ring);
-        return true;
+        return size;
     }
-    for (uint32_t k = 0; k < size; ++k)
-        if (!is_plain_vertex(t, t.face_vertices[begin + k], triangles ? 6 : 4)) return false;
     // Corner k stands at `at`; one step of the walk around it leads from one of the face's edges to the
     // other.
     constexpr uint32_t quad_at[4] = {5, 6, 10, 9},
@@ -258,7 +266,7 @@ bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (
                 ring[quad_away[k][i]] = t.face_vertices[first + ((c - first + 1 + i) & 3)];
         }
     }
-    return true;
+    return triangles ? 12 : 16;
 }
 
 std::vector<uint32_t> faces_of_sector(const Topology& t, uint32_t c) {

@@ -341,14 +341,15 @@ PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t c
     return request;
 }
 
-uint32_t choose_plan_corner(const Topology& t, uint32_t face) {
+uint32_t choose_plan_corner(const Topology& t, uint32_t face, const std::vector<uint8_t>* regular) {
     const uint32_t begin = t.face_begin(face), size = t.size_of_face(face);
     uint32_t best = 0;
     size_t most = 0;
     for (uint32_t i = 0; i < size; ++i) {
         const uint32_t v = t.face_vertices[begin + i];
         const bool smooth = t.vertex_rules[v] == VertexRule::smooth;
-        const size_t oddness = size_t{2} * !is_regular_corner(t, begin + i) + !smooth;
+        const bool known = regular != nullptr && (*regular)[v] != 0;
+        const size_t oddness = size_t{2} * !(known || is_regular_corner(t, begin + i)) + !smooth;
         const size_t key = (oddness << 32) + t.edges_of_vertex(v).size() + 1;
         if (key > most) {
             most = key;

@@ -43,8 +43,8 @@ uint32_t PlanRows::write(double* row) {
     const size_t stride = shared::plan_row_stride(plan_->ring_size), mask = slots_.size() - 1;
     size_t at = hash & mask;
     for (; slots_[at].row != kInvalidIndex; at = (at + 1) & mask)
-        if (slots_[at].hash == hash && std::memcmp(row, plan_->weights.data() + slots_[at].row * stride,
-                                                   width() * sizeof(double)) == 0)
+        if (slots_[at].hash == hash &&
+            std::memcmp(row, plan_->weights.data() + slots_[at].row * stride, width() * sizeof(double)) == 0)
             return slots_[at].row;
     const uint32_t number = append(row);
     slots_[at] = {hash, number};

@@ -24,9 +24,7 @@ Result<void> PlanSet::build() {
         std::vector<NewPlan> built(batch.size());
         for_each_index(
             static_cast<uint32_t>(batch.size()),
-            [&](uint32_t i) {
-                built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local());
-            },
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local()); },
             1);
         // In their order, so that numbers do not depend on threads.
         for (size_t i = 0; i < batch.size(); ++i) {
