@@ -5,7 +5,7 @@
 namespace limn {
 
 IndexMap::IndexMap(uint32_t key_bound) {
-    constexpr uint32_t kSmall = 8192;
+    constexpr uint32_t kSmall = 1024;
     if (key_bound <= kSmall) direct_.assign(key_bound, kMissing);
 }
 

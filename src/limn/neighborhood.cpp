@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 
 namespace limn {
 
@@ -152,26 +153,38 @@ struct FanHash {
     }
 };
 
-/// What read_star lists of a fan of quads, or triangles, and in its order.
-void read_fan(const Topology& t, uint32_t corner, bool regular, Neighborhood& out, FanHash& hash) {
+/// What read_star lists of a fan of quads, or triangles, and in its order. `places` are those of the face's
+/// vertices, from the star's own on.
+void read_fan(const Topology& t, uint32_t corner, const uint32_t (&places)[4], bool regular,
+              Neighborhood& out, FanHash& hash) {
     const uint32_t v = t.face_vertices[corner];
     const auto corners = t.corners_of_vertex(v);
     const auto edges = t.edges_of_vertex(v);
     const auto own = static_cast<size_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    // A closed star begins with the face itself.
     const bool closed = corners.size() == edges.size();
     const size_t first = closed ? own : 0;
-    if (t.face_size == 4)
-        for (size_t n = 0, i = first; n < corners.size(); ++n, i = i + 1 == corners.size() ? 0 : i + 1)
-            hash.put_place(out.local(t.face_vertices[(corners[i] & ~3u) | ((corners[i] + 2) & 3)]));
-    for (size_t n = 0, i = first; n < edges.size(); ++n, i = i + 1 == edges.size() ? 0 : i + 1)
-        hash.put_place(out.local(t.other_vertex(edges[i], v)));
+    auto for_each_of = [&](std::span<const uint32_t> star, size_t skipped, const auto& body) {
+        for (size_t i = skipped; i < star.size(); ++i)
+            body(star[first + i < star.size() ? first + i : first + i - star.size()]);
+    };
+    if (t.face_size == 4) {
+        if (closed) hash.put_place(places[2]);
+        for_each_of(corners, closed ? 1 : 0, [&](uint32_t c) {
+            hash.put_place(out.local(t.face_vertices[(c & ~3u) | ((c + 2) & 3)]));
+        });
+    }
+    if (closed) {
+        hash.put_place(places[1]);
+        hash.put_place(places[t.face_size - 1]);
+    }
+    for_each_of(edges, closed ? 2 : 0, [&](uint32_t e) { hash.put_place(out.local(t.other_vertex(e, v))); });
     hash.end_places();
     if (regular) return hash.put(0);
-    hash.put(1 | uint64_t{static_cast<uint32_t>(t.vertex_rules[v])} << 1 | (closed ? 0 : own) << 8 |
-             corners.size() << 24 | edges.size() << 40);
+    hash.put(1 | uint64_t{static_cast<uint32_t>(t.vertex_rules[v])} << 1 | uint64_t{closed ? 0 : own} << 8 |
+             uint64_t{corners.size()} << 24 | uint64_t{edges.size()} << 40);
     hash.put(bits(t.vertex_sharpness[v]));
-    for (size_t n = 0, i = first; n < edges.size(); ++n, i = i + 1 == edges.size() ? 0 : i + 1)
-        hash.put(bits(t.edge_sharpness[edges[i]]));
+    for_each_of(edges, 0, [&](uint32_t e) { hash.put(bits(t.edge_sharpness[e])); });
 }
 
 }  // namespace
@@ -187,11 +200,13 @@ bool walk_around_fans(const Topology& t, uint32_t f, uint32_t rotation, const st
     out.map.clear();
     const auto size = static_cast<uint32_t>(vertices.size());
     FanHash sum;
-    for (uint32_t i = 0; i < size; ++i) sum.put_place(out.local(vertices[(rotation + i) % size]));
+    uint32_t own[4];
+    for (uint32_t i = 0; i < size; ++i) sum.put_place(own[i] = out.local(vertices[(rotation + i) % size]));
     sum.end_places();
     for (uint32_t i = 0; i < size; ++i) {
         const uint32_t k = (rotation + i) % size;
-        read_fan(t, t.face_begin(f) + k, regular[vertices[k]] != 0, out, sum);
+        const uint32_t places[4] = {own[i], own[(i + 1) % size], own[(i + 2) % size], own[(i + 3) % size]};
+        read_fan(t, t.face_begin(f) + k, places, regular[vertices[k]] != 0, out, sum);
     }
     hash = sum.result();
     return true;

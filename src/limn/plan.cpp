@@ -307,6 +307,7 @@ NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const
     scratch.rows.begin(plan);
     PlanWriter writer{options, known, out, plan, scratch};
     writer.write_root(request.part, rows);
+    scratch.rows.end();
     return out;
 }
 
@@ -348,8 +349,9 @@ uint32_t choose_plan_corner(const Topology& t, uint32_t face, const std::vector<
     for (uint32_t i = 0; i < size; ++i) {
         const uint32_t v = t.face_vertices[begin + i];
         const bool smooth = t.vertex_rules[v] == VertexRule::smooth;
-        const bool known = regular != nullptr && (*regular)[v] != 0;
-        const size_t oddness = size_t{2} * !(known || is_regular_corner(t, begin + i)) + !smooth;
+        const bool is_regular =
+            regular != nullptr && smooth ? (*regular)[v] != 0 : is_regular_corner(t, begin + i);
+        const size_t oddness = size_t{2} * !is_regular + !smooth;
         const size_t key = (oddness << 32) + t.edges_of_vertex(v).size() + 1;
         if (key > most) {
             most = key;

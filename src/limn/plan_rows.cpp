@@ -26,14 +26,15 @@ uint64_t hash_row(const double* row, size_t width) {
 
 void PlanRows::begin(BuiltPlan& plan) {
     plan_ = &plan;
+    weights_.clear();
     slots_.assign(std::max<size_t>(slots_.size(), 256), Slot{0, kInvalidIndex});
     used_ = 0;
 }
 
 uint32_t PlanRows::append(const double* row) {
     const size_t stride = shared::plan_row_stride(plan_->ring_size);
-    plan_->weights.insert(plan_->weights.end(), row, row + width());
-    plan_->weights.resize(++plan_->row_count * stride, 0.0);
+    weights_.insert(weights_.end(), row, row + width());
+    weights_.resize(++plan_->row_count * stride, 0.0);
     return plan_->row_count - 1;
 }
 
@@ -44,7 +45,7 @@ uint32_t PlanRows::write(double* row) {
     size_t at = hash & mask;
     for (; slots_[at].row != kInvalidIndex; at = (at + 1) & mask)
         if (slots_[at].hash == hash &&
-            std::memcmp(row, plan_->weights.data() + slots_[at].row * stride, width() * sizeof(double)) == 0)
+            std::memcmp(row, weights_.data() + slots_[at].row * stride, width() * sizeof(double)) == 0)
             return slots_[at].row;
     const uint32_t number = append(row);
     slots_[at] = {hash, number};

@@ -29,6 +29,8 @@ class PlanRows {
   public:
     /// Starts to write the rows of `plan`, whose ring_size is known.
     void begin(BuiltPlan& plan);
+    /// The plan receives its rows.
+    void end() { plan_->weights.assign(weights_.begin(), weights_.end()); }
     /// A row of its own, also where there is an equal one.
     uint32_t append(const double* row);
     /// The number of a row; negative zeros in it become zeros.
@@ -43,6 +45,7 @@ class PlanRows {
     void grow();
 
     BuiltPlan* plan_ = nullptr;
+    std::vector<double> weights_;
     std::vector<Slot> slots_;  ///< a power of two of them, half of them free
     uint32_t used_ = 0;
 };
