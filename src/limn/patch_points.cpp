@@ -246,21 +246,21 @@ uint32_t write_regular_ring(const Topology& t, uint32_t face, bool linear, uint3
         std::copy_n(t.face_vertices.begin() + begin, size, ring);
         return size;
     }
-    // Corner k stands at `at`; one step of the walk around it leads from one of the face's edges to the
-    // other.
+    // Corner k stands at `at`; the walk around it leads from one of the face's edges to the other.
     constexpr uint32_t quad_at[4] = {5, 6, 10, 9},
                        quad_away[4][3] = {{4, 0, 1}, {2, 3, 7}, {11, 15, 14}, {13, 12, 8}};
     constexpr uint32_t triangle_at[3] = {4, 5, 8},
                        triangle_away[3][4] = {{7, 3, 0, 1}, {1, 2, 6, 9}, {9, 11, 10, 7}};
     for (uint32_t k = 0; k < size; ++k) {
         ring[triangles ? triangle_at[k] : quad_at[k]] = t.face_vertices[begin + k];
-        auto c = static_cast<uint32_t>(corner_after(t, begin + k));
+        const auto star = t.corners_of_vertex(t.face_vertices[begin + k]);
+        const auto own = static_cast<size_t>(std::find(star.begin(), star.end(), begin + k) - star.begin());
         if (triangles) {
             // The last vertices of the faces that follow around the corner.
-            for (uint32_t i = 0; i < 4; ++i, c = static_cast<uint32_t>(corner_after(t, c)))
-                ring[triangle_away[k][i]] = t.face_vertices[t.previous_corner(c)];
+            for (uint32_t i = 0; i < 4; ++i)
+                ring[triangle_away[k][i]] = t.face_vertices[t.previous_corner(star[(own + 1 + i) % 6])];
         } else {
-            c = static_cast<uint32_t>(corner_after(t, c));  // the face across the corner
+            const uint32_t c = star[(own + 2) & 3];  // of the face across the corner
             const uint32_t first = t.face_begin(t.face_of_corner(c));
             for (uint32_t i = 0; i < 3; ++i)
                 ring[quad_away[k][i]] = t.face_vertices[first + ((c - first + 1 + i) & 3)];

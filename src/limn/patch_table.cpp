@@ -16,21 +16,25 @@ namespace {
 
 /// The number, in `plans`, of the plan of each kind: chunk by chunk.
 std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plans) {
-    struct Hash {
-        size_t operator()(const std::array<uint64_t, 2>& h) const { return h[0]; }
-    };
-    std::unordered_map<std::array<uint64_t, 2>, uint32_t, Hash> found;
+    std::unordered_map<PlanHash, uint32_t, PlanHashHash> found;
+    const PlanHash options_hash = hash_signature(begin_plan_key(c.base.options, c.options));
     Neighborhood hood;
     auto find_regular = [&] {
         PlanRequest request = request_regular_plan(c.base.options, c.options.linear);
         const PlanKey key = request.key;
         return plans.find_or_request(key, [&] { return std::move(request); });
     };
-    auto find_irregular = [&](const Candidate& first) {
+    auto find_irregular = [&](const CandidateChunk::Kind& kind) {
+        const PlanHash hash = {kind.hash[0] ^ options_hash[0], kind.hash[1] ^ options_hash[1]};
+        if (const uint32_t known = plans.find(hash); known != kInvalidIndex) return known;
+        const Candidate& first = c.list[kind.candidate];
         const Topology& t = c.level(first);
         walk_around({t}, first.face, {first.rotation, false}, hood);
         const PlanKey key = make_plan_key(t, hood, c.options);
-        return plans.find_or_request(key, [&] { return request_plan(t, hood, first.rotation, key); });
+        const uint32_t number =
+            plans.find_or_request(key, [&] { return request_plan(t, hood, first.rotation, key); });
+        plans.keep_hash(hash, number);
+        return number;
     };
     std::vector<std::vector<uint32_t>> numbers(c.chunks.size());
     uint32_t regular = kInvalidIndex;
@@ -42,7 +46,7 @@ std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plan
                 continue;
             }
             const auto [at, is_new] = found.try_emplace(kind.hash, 0);
-            if (is_new) at->second = find_irregular(c.list[kind.candidate]);
+            if (is_new) at->second = find_irregular(kind);
             numbers[i].push_back(at->second);
         }
     return numbers;

@@ -269,16 +269,6 @@ void rotate_first_face(Topology& t, uint32_t rotation) {
             if (c < size) c = (c + size - rotation) % size;
 }
 
-PlanKey begin_key(const SchemeOptions& o, const PlanOptions& options) {
-    return {static_cast<uint32_t>(o.scheme),
-            static_cast<uint32_t>(o.creasing),
-            static_cast<uint32_t>(o.triangles),
-            o.opensubdiv_compatible,
-            options.linear,
-            options.end_cap != EndCap::exact,
-            options.depth};
-}
-
 /// Ring points are those of the patch.
 void write_regular_plan(PlanNodeKind kind, BuiltPlan& plan) {
     const size_t stride = shared::plan_row_stride(plan.ring_size);
@@ -292,6 +282,16 @@ void write_regular_plan(PlanNodeKind kind, BuiltPlan& plan) {
 }
 
 }  // namespace
+
+PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options) {
+    return {static_cast<uint32_t>(o.scheme),
+            static_cast<uint32_t>(o.creasing),
+            static_cast<uint32_t>(o.triangles),
+            o.opensubdiv_compatible,
+            options.linear,
+            options.end_cap != EndCap::exact,
+            options.depth};
+}
 
 NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
                    PlanScratch& scratch) {
@@ -314,8 +314,8 @@ NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const
 PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
     const bool triangles = options.scheme == Scheme::loop;
     PlanRequest request;
-    request.key =
-        begin_key({.scheme = options.scheme}, {linear, EndCap::exact, 0});  // nothing but the scheme matters
+    request.key = begin_plan_key({.scheme = options.scheme},
+                                 {linear, EndCap::exact, 0});  // nothing but the scheme matters
     request.ring_size = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
     request.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
                           : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
@@ -323,7 +323,7 @@ PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
 }
 
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options) {
-    PlanKey key = begin_key(t.options, options);
+    PlanKey key = begin_plan_key(t.options, options);
     key.push_back(static_cast<uint32_t>(hood.ring.size()));
     key.insert(key.end(), hood.signature.begin(), hood.signature.end());
     return key;

@@ -52,6 +52,8 @@ struct PlanRequest {
 };
 /// The plan of faces that have a regular ring (write_regular_ring).
 PlanRequest request_regular_plan(const SchemeOptions& options, bool linear);
+/// What all keys of a mesh begin with.
+PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options);
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options);
 PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key);
 

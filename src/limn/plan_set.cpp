@@ -13,6 +13,14 @@ const BuiltPlan* PlanSet::find_cached(const PlanKey& key) const {
     return at == cache_.plans.end() ? nullptr : at->second.get();
 }
 
+uint32_t PlanSet::find(const PlanHash& hash) {
+    const std::lock_guard lock(cache_.mutex);
+    const auto at = cache_.plans_by_hash.find(hash);
+    if (at == cache_.plans_by_hash.end()) return kInvalidIndex;
+    entries_.push_back({nullptr, at->second, nullptr, {}});
+    return static_cast<uint32_t>(entries_.size()) - 1;
+}
+
 Result<void> PlanSet::build() {
     tbb::enumerable_thread_specific<PlanScratch> scratch;
     while (!requests_.empty()) {
@@ -59,6 +67,9 @@ void PlanSet::keep_in_cache() {
     }
     for (const auto& [plan, references] : kept)
         for (const uint32_t r : *references) plan->references.push_back(entries_[r].plan);
+    for (const auto& [hash, number] : hashes_)
+        if (cache_.plans_by_hash.try_emplace(hash, entries_[number].plan).second)
+            cache_.bytes += sizeof(PlanHash) + sizeof(const BuiltPlan*);
 }
 
 PlanCache::PlanCache() : impl_(std::make_unique<Impl>()) {}
