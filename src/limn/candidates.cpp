@@ -150,11 +150,12 @@ class ChunkWalk {
 }  // namespace
 
 Candidates find_candidates(const Topology& base, const PlanOptions& options) {
-    Candidates out{base, options, {}, {}, {}, {}, {}, {}};
+    Candidates out{base, options, {}, 0, {}, {}, {}, {}, {}};
     if (!options.linear) out.regular_base = find_regular_vertices(base);
     const std::vector<uint8_t> whole = find_whole_faces(out);
     if (std::find(whole.begin(), whole.end(), 0) != whole.end()) {
         refine_once(base, true, out.child);
+        out.child_vertex_count = out.child.vertex_count;
         if (!options.linear) out.regular_child = find_regular_vertices(out.child);
     }
     list_surfaces(whole, out);

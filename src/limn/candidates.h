@@ -33,7 +33,8 @@ struct CandidateChunk {
 struct Candidates {
     const Topology& base;
     PlanOptions options;
-    Topology child;                                    ///< level 1; empty where every face is regular
+    Topology child;  ///< level 1; empty where every face is regular; walks alone need it
+    uint32_t child_vertex_count = 0;
     std::vector<uint8_t> regular_base, regular_child;  ///< find_regular_vertices, unless options.linear
     std::vector<Candidate> list;                       ///< in face order
     std::vector<CandidateChunk> chunks;

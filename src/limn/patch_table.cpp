@@ -148,7 +148,7 @@ template <class Real>
 Result<void> write_rings(const Candidates& c, const Refinement& source,
                          const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table) {
     const auto chunk_count = static_cast<uint32_t>(c.chunks.size());
-    std::vector<uint32_t> point_of_child(c.child.vertex_count, kInvalidIndex);
+    std::vector<uint32_t> point_of_child(c.child_vertex_count, kInvalidIndex);
     auto for_each_chunk = [&](const auto& body) { for_each_index(chunk_count, body, 4); };
     for_each_chunk([&](uint32_t chunk) {
         for_each_ring(c, chunk, [&](const Candidate& at, size_t, size_t first) {
@@ -207,6 +207,7 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
     PlanSet plans(candidates.options, (shared != nullptr ? *shared : own).impl());
     auto numbers = find_plans(candidates, plans);
     if (auto ok = plans.build(); !ok) return ok.error();
+    candidates.child = {};  // most of the memory that there is
     if (auto ok = write_surfaces(candidates, plans, numbers, chunk_rings, table); !ok) return ok.error();
     if (auto ok = write_rings(candidates, source, chunk_rings, table); !ok) return ok.error();
     return table;
