@@ -22,10 +22,13 @@ class Array {
   public:
     Array() = default;
     Array(Array&& other) noexcept
-        : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+        : data_(std::exchange(other.data_, nullptr)),
+          size_(std::exchange(other.size_, 0)),
+          capacity_(std::exchange(other.capacity_, 0)) {}
     Array& operator=(Array&& other) noexcept {
         std::swap(data_, other.data_);
         std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
         return *this;
     }
     Array(const Array& other) {
@@ -39,16 +42,20 @@ class Array {
     ~Array() { std::free(data_); }
 
     /// Replaces the contents by `size` uninitialised elements; aborts when memory is exhausted, as operator
-    /// new would in a build without exceptions.
+    /// new would in a build without exceptions. A small block is used again where it is large enough.
     void allocate(size_t size) {
+        if (size <= capacity_ && capacity_ * sizeof(T) <= kReusedBytes) {
+            size_ = size;
+            return;
+        }
         std::free(data_);
         data_ = nullptr;
-        size_ = 0;
+        size_ = capacity_ = 0;
         if (size == 0) return;
         if (size > static_cast<size_t>(-1) / sizeof(T)) std::abort();
         data_ = static_cast<T*>(allocate_bytes(size * sizeof(T)));
         if (data_ == nullptr) std::abort();
-        size_ = size;
+        size_ = capacity_ = size;
     }
     void assign(size_t size, T value) {
         allocate(size);
@@ -70,6 +77,8 @@ class Array {
     size_t bytes() const { return size_ * sizeof(T); }
 
   private:
+    static constexpr size_t kReusedBytes = size_t{1} << 16;
+
     /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that
     /// building a table took went into page faults.
     static void* allocate_bytes(size_t bytes) {
@@ -86,7 +95,7 @@ class Array {
     }
 
     T* data_ = nullptr;
-    size_t size_ = 0;
+    size_t size_ = 0, capacity_ = 0;
 };
 
 }  // namespace limn

@@ -5,7 +5,7 @@
 namespace limn {
 
 IndexMap::IndexMap(uint32_t key_bound) {
-    constexpr uint32_t kSmall = 8192;
+    constexpr uint32_t kSmall = 1024;
     if (key_bound <= kSmall) direct_.assign(key_bound, kMissing);
 }
 
@@ -23,17 +23,6 @@ uint32_t IndexMap::hashed_find(uint32_t key) const {
     for (uint32_t i = slot_of(key); slots_[i].stamp == stamp_; i = (i + 1) & mask)
         if (slots_[i].key == key) return slots_[i].value;
     return kMissing;
-}
-
-uint32_t IndexMap::hashed_find_or_insert(uint32_t key, uint32_t next) {
-    if (2 * (count_ + 1) > slots_.size()) grow();
-    const auto mask = static_cast<uint32_t>(slots_.size() - 1);
-    uint32_t i = slot_of(key);
-    for (; slots_[i].stamp == stamp_; i = (i + 1) & mask)
-        if (slots_[i].key == key) return slots_[i].value;
-    slots_[i] = {key, next, stamp_};
-    ++count_;
-    return next;
 }
 
 void IndexMap::grow() {

@@ -29,7 +29,16 @@ class IndexMap {
     uint32_t slot_of(uint32_t key) const {
         return (key * 2654435769u) >> 7 & static_cast<uint32_t>(slots_.size() - 1);
     }
-    uint32_t hashed_find_or_insert(uint32_t key, uint32_t next);
+    uint32_t hashed_find_or_insert(uint32_t key, uint32_t next) {
+        if (2 * (count_ + 1) > slots_.size()) grow();
+        const auto mask = static_cast<uint32_t>(slots_.size() - 1);
+        uint32_t i = slot_of(key);
+        for (; slots_[i].stamp == stamp_; i = (i + 1) & mask)
+            if (slots_[i].key == key) return slots_[i].value;
+        slots_[i] = {key, next, stamp_};
+        ++count_;
+        return next;
+    }
     uint32_t hashed_find(uint32_t key) const;
     void grow();
     struct Slot {

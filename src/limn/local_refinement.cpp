@@ -130,9 +130,8 @@ void extract_vertices(Extraction& x) {
 
 }  // namespace
 
-Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
-                       std::vector<uint32_t>& vertices) {
-    Topology to;
+void extract_faces(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices,
+                   Topology& to) {
     vertices.clear();
     Extraction x{from,
                  faces,
@@ -145,6 +144,12 @@ Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
     extract_corners(x);
     extract_edges(x);
     extract_vertices(x);
+}
+
+Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
+                       std::vector<uint32_t>& vertices) {
+    Topology to;
+    extract_faces(from, faces, vertices, to);
     return to;
 }
 

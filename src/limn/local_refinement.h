@@ -39,6 +39,9 @@ void refine_locally(const Topology& base, const std::vector<uint32_t>& faces,
 /// too, and lose what lies outside. `vertices` receives the vertices that the new ones were.
 Topology extract_faces(const Topology& from, const std::vector<uint32_t>& faces,
                        std::vector<uint32_t>& vertices);
+/// The same into a topology that is new, or was extracted before from one with the same options and face_size.
+void extract_faces(const Topology& from, const std::vector<uint32_t>& faces, std::vector<uint32_t>& vertices,
+                   Topology& to);
 
 /// A face and, after it, all that its corners' rules depend on: those that touch it.
 std::vector<uint32_t> faces_touching_face(const Topology& t, uint32_t face);

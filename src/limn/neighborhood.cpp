@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 
 namespace limn {
 
@@ -125,6 +126,90 @@ void walk_around(const WalkOptions& options, uint32_t f, Orientation orientation
         out.signature.push_back(bits(t.dependent_seam_sharpness[pair]));
         read_star(t, options, mirrored ? corners.back() : corners.front(), mirrored, out);
     }
+}
+
+namespace {
+
+/// Hashes what a walk around fans meets, word by word; places in the ring go four to a word.
+struct FanHash {
+    uint64_t a = 0x9e3779b97f4a7c15, b = 0xd1b54a32d192ed03, places = 0;
+    uint32_t place_count = 0;
+
+    void put(uint64_t x) {
+        a = std::rotl((a ^ x) * 0xff51afd7ed558ccd, 29);
+        b = std::rotl(b + x, 31) * 0xc4ceb9fe1a85ec53 ^ b >> 33;
+    }
+    void put_place(uint32_t place) {
+        places = places << 16 | place;
+        if ((++place_count & 3) == 0) put(places);
+    }
+    void end_places() {
+        if ((place_count & 3) != 0) put(places);
+        places = place_count = 0;
+    }
+    std::array<uint64_t, 2> result() const {
+        const uint64_t x = a ^ b >> 32, y = b ^ x >> 29;
+        return {x * 0xff51afd7ed558ccd ^ x >> 32, y * 0xc4ceb9fe1a85ec53 ^ y >> 31};
+    }
+};
+
+/// What read_star lists of a fan of quads, or triangles, and in its order. `places` are those of the face's
+/// vertices, from the star's own on.
+void read_fan(const Topology& t, uint32_t corner, const uint32_t (&places)[4], bool regular,
+              Neighborhood& out, FanHash& hash) {
+    const uint32_t v = t.face_vertices[corner];
+    const auto corners = t.corners_of_vertex(v);
+    const auto edges = t.edges_of_vertex(v);
+    const auto own = static_cast<size_t>(std::find(corners.begin(), corners.end(), corner) - corners.begin());
+    // A closed star begins with the face itself.
+    const bool closed = corners.size() == edges.size();
+    const size_t first = closed ? own : 0;
+    auto for_each_of = [&](std::span<const uint32_t> star, size_t skipped, const auto& body) {
+        for (size_t i = skipped; i < star.size(); ++i)
+            body(star[first + i < star.size() ? first + i : first + i - star.size()]);
+    };
+    if (t.face_size == 4) {
+        if (closed) hash.put_place(places[2]);
+        for_each_of(corners, closed ? 1 : 0, [&](uint32_t c) {
+            hash.put_place(out.local(t.face_vertices[(c & ~3u) | ((c + 2) & 3)]));
+        });
+    }
+    if (closed) {
+        hash.put_place(places[1]);
+        hash.put_place(places[t.face_size - 1]);
+    }
+    for_each_of(edges, closed ? 2 : 0, [&](uint32_t e) { hash.put_place(out.local(t.other_vertex(e, v))); });
+    hash.end_places();
+    if (regular) return hash.put(0);
+    hash.put(1 | uint64_t{static_cast<uint32_t>(t.vertex_rules[v])} << 1 | uint64_t{closed ? 0 : own} << 8 |
+             uint64_t{corners.size()} << 24 | uint64_t{edges.size()} << 40);
+    hash.put(bits(t.vertex_sharpness[v]));
+    for_each_of(edges, 0, [&](uint32_t e) { hash.put(bits(t.edge_sharpness[e])); });
+}
+
+}  // namespace
+
+bool walk_around_fans(const Topology& t, uint32_t f, uint32_t rotation, const std::vector<uint8_t>& regular,
+                      Neighborhood& out, std::array<uint64_t, 2>& hash) {
+    constexpr size_t kMaxEdges = 0x1000;  // places and positions take 16 bits
+    if (t.face_size == 0 || !t.half_edge_sharpness.empty() || !t.dependent_vertices.empty()) return false;
+    const auto vertices = t.vertices_of_face(f);
+    for (const uint32_t v : vertices)
+        if (t.vertex_manifold[v] == 0 || t.edges_of_vertex(v).size() > kMaxEdges) return false;
+    out.ring.clear();
+    out.map.clear();
+    const auto size = static_cast<uint32_t>(vertices.size());
+    FanHash sum;
+    uint32_t own[4];
+    for (uint32_t i = 0; i < size; ++i) sum.put_place(own[i] = out.local(vertices[(rotation + i) % size]));
+    sum.end_places();
+    for (uint32_t i = 0; i < size; ++i) {
+        const uint32_t k = (rotation + i) % size;
+        const uint32_t places[4] = {own[i], own[(i + 1) % size], own[(i + 2) % size], own[(i + 3) % size]};
+        read_fan(t, t.face_begin(f) + k, places, regular[vertices[k]] != 0, out, sum);
+    }
+    hash = sum.result();
+    return true;
 }
 
 Orientation choose_orientation(const WalkOptions& options, uint32_t f, Neighborhood& scratch,

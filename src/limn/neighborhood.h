@@ -50,6 +50,13 @@ struct WalkOptions {
 /// every level.
 void walk_around(const WalkOptions& options, uint32_t f, Orientation orientation, Neighborhood& out);
 
+/// The same ring, and 128 bits that two faces of one topology have in common where their signatures are
+/// equal, more quickly and without signature and faces. False, with nothing done, where it is no plain
+/// matter: where faces differ in size, stars are no fans, sharpness is Chaikin's or values depend on others.
+/// `regular[v]` as find_regular_vertices makes it.
+bool walk_around_fans(const Topology& t, uint32_t f, uint32_t rotation, const std::vector<uint8_t>& regular,
+                      Neighborhood& out, std::array<uint64_t, 2>& hash);
+
 /// The orientation that alike faces, and mirror images, share: of the walks from a distinguished corner, one
 /// each way, the one whose signature has the smaller hash. `hash` receives it; `scratch` is scratch.
 Orientation choose_orientation(const WalkOptions& options, uint32_t f, Neighborhood& scratch,

@@ -1,6 +1,9 @@
 #include "limn/patch_points.h"
 
 #include <algorithm>
+#include <cassert>
+
+#include "limn/parallel.h"
 
 namespace limn {
 namespace {
@@ -96,31 +99,40 @@ Corner classify(const Topology& t, uint32_t c) {
     return corner;
 }
 
-void add(Row& to, const Row& from, double weight) {
+void add(PatchPoint& to, const PatchPoint& from, double weight) {
     for (const RowEntry& e : from) {
-        size_t i = 0;
-        while (i < to.size() && to[i].index != e.index) ++i;
-        if (i == to.size()) to.push_back({e.index, 0});
-        to[i].weight += weight * e.weight;
+        uint32_t i = 0;
+        while (i < to.count && to.entries[i].index != e.index) ++i;
+        if (i == to.count) {
+            assert(i < PatchPoint::kMaxEntries);
+            to.entries[to.count++] = {e.index, 0};
+        }
+        to.entries[i].weight += weight * e.weight;
     }
 }
-Row twice_less(const Row& a, const Row& b) {
-    Row row;
-    add(row, a, 2);
-    add(row, b, -1);
-    return row;
+PatchPoint vertex(uint32_t v) {
+    PatchPoint point;
+    point.entries[0] = {v, 1};
+    point.count = 1;
+    return point;
+}
+PatchPoint twice_less(const PatchPoint& a, const PatchPoint& b) {
+    PatchPoint point;
+    add(point, a, 2);
+    add(point, b, -1);
+    return point;
 }
 /// a + b - c.
-Row parallelogram(const Row& a, const Row& b, const Row& c) {
-    Row row;
-    add(row, a, 1);
-    add(row, b, 1);
-    add(row, c, -1);
-    return row;
+PatchPoint parallelogram(const PatchPoint& a, const PatchPoint& b, const PatchPoint& c) {
+    PatchPoint point;
+    add(point, a, 1);
+    add(point, b, 1);
+    add(point, c, -1);
+    return point;
 }
-Row vertex_at(const Topology& t, uint32_t corner, uint32_t steps) {
+PatchPoint vertex_at(const Topology& t, uint32_t corner, uint32_t steps) {
     for (; steps != 0; --steps) corner = t.next_corner(corner);
-    return {{t.face_vertices[corner], 1}};
+    return vertex(t.face_vertices[corner]);
 }
 
 uint32_t other_corner(const Topology& t, uint32_t c) {
@@ -131,9 +143,9 @@ uint32_t other_corner(const Topology& t, uint32_t c) {
 /// The 4 by 4 net around a quad; u is columns.
 void fill_quad(const Topology& t, uint32_t face, const Corner (&corners)[4], PatchPoints& out) {
     constexpr int at[4] = {5, 6, 10, 9}, away[4] = {-4, 1, 4, -1};
-    auto point = [&](int i) -> Row& { return out.points[static_cast<size_t>(i)]; };
+    auto point = [&](int i) -> PatchPoint& { return out.points[static_cast<size_t>(i)]; };
     const uint32_t begin = t.face_begin(face);
-    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = {{t.face_vertices[begin + k], 1}};
+    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = vertex(t.face_vertices[begin + k]);
     for (uint32_t k = 0; k < 4; ++k) {
         const int a = at[k], b = at[(k + 1) & 3], d = away[k];
         if (corners[k].sharp_next) {
@@ -169,18 +181,21 @@ void fill_triangle(const Topology& t, uint32_t face, const Corner (&corners)[4],
     constexpr int du[6] = {1, 0, -1, -1, 0, 1}, dv[6] = {0, 1, 1, 0, -1, -1};
     constexpr int u[3] = {0, 1, 0}, v[3] = {0, 0, 1};
     const uint32_t begin = t.face_begin(face);
-    auto point = [&](uint32_t k, uint32_t turn) -> Row& {
+    auto point = [&](uint32_t k, uint32_t turn) -> PatchPoint& {
         const uint32_t d = (2 * k + turn) % 6;
         return out.points[static_cast<size_t>(lattice_index(u[k] + du[d], v[k] + dv[d]))];
     };
-    auto own = [&](uint32_t k) -> Row& { return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))]; };
-    for (uint32_t k = 0; k < 3; ++k) own(k) = {{t.face_vertices[begin + k], 1}};
+    auto own = [&](uint32_t k) -> PatchPoint& {
+        return out.points[static_cast<size_t>(lattice_index(u[k], v[k]))];
+    };
+    for (uint32_t k = 0; k < 3; ++k) own(k) = vertex(t.face_vertices[begin + k]);
     for (uint32_t k = 0; k < 3; ++k)
         point(k, 5) = corners[k].sharp_next ? parallelogram(own(k), own((k + 1) % 3), own((k + 2) % 3))
                                             : vertex_at(t, other_corner(t, begin + k), 2);
     for (uint32_t k = 0; k < 3; ++k) {
-        const Row &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2), &n5 = point(k, 5);
-        Row &n3 = point(k, 3), &n4 = point(k, 4);
+        const PatchPoint &p = own(k), &n0 = point(k, 0), &n1 = point(k, 1), &n2 = point(k, 2),
+                         &n5 = point(k, 5);
+        PatchPoint &n3 = point(k, 3), &n4 = point(k, 4);
         const int after = corner_after(t, begin + k), before = corner_before(t, begin + k);
         if (corners[k].kind == CornerKind::corner) {
             n3 = twice_less(p, n0);
@@ -217,38 +232,41 @@ bool is_regular_corner(const Topology& t, uint32_t c) {
     return classify(t, c).kind != CornerKind::irregular;
 }
 
-bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count) {
+std::vector<uint8_t> find_regular_vertices(const Topology& t) {
+    std::vector<uint8_t> regular(t.vertex_count);
+    const size_t valence = t.options.scheme == Scheme::loop ? 6 : 4;
+    for_each_index(t.vertex_count, [&](uint32_t v) { regular[v] = is_plain_vertex(t, v, valence); });
+    return regular;
+}
+
+uint32_t write_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16]) {
     const bool triangles = t.options.scheme == Scheme::loop;
     const uint32_t size = triangles ? 3 : 4, begin = t.face_begin(face);
-    if (t.size_of_face(face) != size) return false;
-    count = linear ? size : triangles ? 12 : 16;
     if (linear) {
         std::copy_n(t.face_vertices.begin() + begin, size, ring);
-        return true;
+        return size;
     }
-    for (uint32_t k = 0; k < size; ++k)
-        if (!is_plain_vertex(t, t.face_vertices[begin + k], triangles ? 6 : 4)) return false;
-    // Corner k stands at `at`; one step of the walk around it leads from one of the face's edges to the
-    // other.
+    // Corner k stands at `at`; the walk around it leads from one of the face's edges to the other.
     constexpr uint32_t quad_at[4] = {5, 6, 10, 9},
                        quad_away[4][3] = {{4, 0, 1}, {2, 3, 7}, {11, 15, 14}, {13, 12, 8}};
     constexpr uint32_t triangle_at[3] = {4, 5, 8},
                        triangle_away[3][4] = {{7, 3, 0, 1}, {1, 2, 6, 9}, {9, 11, 10, 7}};
     for (uint32_t k = 0; k < size; ++k) {
         ring[triangles ? triangle_at[k] : quad_at[k]] = t.face_vertices[begin + k];
-        auto c = static_cast<uint32_t>(corner_after(t, begin + k));
+        const auto star = t.corners_of_vertex(t.face_vertices[begin + k]);
+        const auto own = static_cast<size_t>(std::find(star.begin(), star.end(), begin + k) - star.begin());
         if (triangles) {
             // The last vertices of the faces that follow around the corner.
-            for (uint32_t i = 0; i < 4; ++i, c = static_cast<uint32_t>(corner_after(t, c)))
-                ring[triangle_away[k][i]] = t.face_vertices[t.previous_corner(c)];
+            for (uint32_t i = 0; i < 4; ++i)
+                ring[triangle_away[k][i]] = t.face_vertices[t.previous_corner(star[(own + 1 + i) % 6])];
         } else {
-            c = static_cast<uint32_t>(corner_after(t, c));  // the face across the corner
+            const uint32_t c = star[(own + 2) & 3];  // of the face across the corner
             const uint32_t first = t.face_begin(t.face_of_corner(c));
             for (uint32_t i = 0; i < 3; ++i)
                 ring[quad_away[k][i]] = t.face_vertices[first + ((c - first + 1 + i) & 3)];
         }
     }
-    return true;
+    return triangles ? 12 : 16;
 }
 
 std::vector<uint32_t> faces_of_sector(const Topology& t, uint32_t c) {
@@ -272,7 +290,7 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
     if (linear) {
         out.kind = size == 3 ? PlanNodeKind::linear : PlanNodeKind::bilinear;
         out.count = size;
-        for (uint32_t k = 0; k < size; ++k) out.points[k] = {{t.face_vertices[begin + k], 1}};
+        for (uint32_t k = 0; k < size; ++k) out.points[k] = vertex(t.face_vertices[begin + k]);
         return true;
     }
     Corner corners[4];

@@ -9,11 +9,22 @@
 
 namespace limn {
 
+/// A row of a few entries.
+struct PatchPoint {
+    static constexpr size_t kMaxEntries = 6;
+    std::array<RowEntry, kMaxEntries> entries;
+    uint32_t count = 0;
+
+    size_t size() const { return count; }
+    const RowEntry* begin() const { return entries.data(); }
+    const RowEntry* end() const { return entries.data() + count; }
+};
+
 /// A patch's points as weighted sums of vertices; what lies beyond an infinitely sharp edge is extrapolated.
 struct PatchPoints {
     PlanNodeKind kind = PlanNodeKind::bicubic;
     uint32_t count = 0;
-    std::array<Row, 16> points;
+    std::array<PatchPoint, 16> points;
     /// Bicubic: the sharpness of crease_edge, the only one of the face that is neither smooth nor infinite;
     /// else 0. The surface then is that of these points refined across that edge.
     float crease_sharpness = 0;
@@ -28,10 +39,12 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
 /// Whether a face may be a patch as far as corner c (of a face of the scheme's own size) is concerned.
 bool is_regular_corner(const Topology& t, uint32_t c);
 
-/// The points of a regular face without anything sharp around it, in the order of its patch (as
-/// find_patch_points, but quicker); false for any other face. Any face of the scheme's own size is regular
-/// where `linear`.
-bool find_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16], uint32_t& count);
+/// One for each vertex: 1 where it is smooth, and nothing but 4 quads (Loop: 6 triangles) lie around it.
+std::vector<uint8_t> find_regular_vertices(const Topology& t);
+
+/// The points of a face of the scheme's own size all of whose vertices are regular, in the order of its patch
+/// (as find_patch_points, but quicker). `linear`: of any face of that size. Returns how many.
+uint32_t write_regular_ring(const Topology& t, uint32_t face, bool linear, uint32_t (&ring)[16]);
 
 /// The faces around corner c's vertex that can be reached from c's without crossing an infinitely sharp edge,
 /// c's own first.

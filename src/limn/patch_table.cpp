@@ -3,174 +3,53 @@
 #include "limn/patch_table.h"
 
 #include <algorithm>
+#include <atomic>
 #include <unordered_map>
 
+#include "limn/candidates.h"
 #include "limn/parallel.h"
-#include "limn/patch_points.h"
 #include "limn/plan_set.h"
 #include "limn/refined_points.h"
-#include "limn/topology_build.h"
 
 namespace limn {
 namespace {
 
-/// A surface before it has a plan: a face of the base level or of level 1.
-struct Candidate {
-    uint32_t face;
-    uint32_t rotation : 2, refined : 1, regular : 1, ring_size : 28;
-    uint32_t chunk_ring;  ///< where its ring begins in its chunk's
-    uint32_t plan;
-    std::array<uint64_t, 2> hash;
-};
-
-constexpr size_t kChunk = 256;
-
-struct Builder {
-    const Topology& base;
-    const Topology& child;  ///< level 1; empty where every face is regular
-    PlanOptions options;
-    std::vector<Candidate> candidates;
-    std::vector<std::vector<uint32_t>> chunk_rings;  ///< vertices of the candidate's level
-
-    const Topology& level(const Candidate& c) const { return c.refined != 0 ? child : base; }
-    void walk(const Candidate& c, bool list_faces, Neighborhood& hood) const {
-        WalkOptions options{level(c)};
-        options.list_faces = list_faces;
-        walk_around(options, c.face, {c.rotation, false}, hood);
-    }
-    /// Which of the children of its face a quad is, where they keep the face's orientation: else 0.
-    uint32_t place_in_parent(const Candidate& c) const {
-        const uint32_t parent = base.face_of_corner(c.face);
-        return base.size_of_face(parent) == 4 ? c.face - base.face_begin(parent) : 0;
-    }
-    /// body(candidate, its ring) in order of candidates.
-    template <class Body>
-    void for_each_ring(const Body& body) {
-        for (size_t i = 0; i < candidates.size(); ++i) {
-            Candidate& c = candidates[i];
-            body(c, std::span(chunk_rings[i / kChunk].data() + c.chunk_ring, c.ring_size));
-        }
-    }
-};
-
-std::vector<uint8_t> find_regular_faces(const Topology& base, bool linear, EndCap end_cap) {
-    std::vector<uint8_t> regular(base.face_count, 0);
-    for_each_index(
-        base.face_count,
-        [&](uint32_t f) {
-            uint32_t ring[16], count;
-            PatchPoints patch;
-            regular[f] =
-                base.face_holes[f] == 0 && (find_regular_ring(base, f, linear, ring, count) ||
-                                            (find_patch_points(base, f, linear, patch) &&
-                                             (patch.crease_sharpness == 0 || end_cap == EndCap::exact)));
-        },
-        64);
-    return regular;
-}
-
-/// Surfaces in face order, and the ptex faces that they cover.
-Array<uint32_t> list_surfaces(const std::vector<uint8_t>& regular, Builder& b) {
-    const Topology& base = b.base;
-    const bool triangles = base.options.scheme == Scheme::loop;
-    const uint32_t own_size = triangles ? 3 : 4;
-    std::vector<uint32_t> ptex;
-    auto add = [&](uint32_t face, bool refined) {
-        b.candidates.push_back({face, 0, refined, 0, 0, 0, 0, {}});
-    };
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        const uint32_t size = base.size_of_face(f), ptex_count = size == own_size ? 1 : size;
-        const auto next = static_cast<uint32_t>(b.candidates.size());
-        if (base.face_holes[f] != 0) {
-            ptex.insert(ptex.end(), ptex_count, shared::kPtexHole);
-        } else if (regular[f] != 0) {
-            add(f, false);
-            ptex.push_back(next);
-        } else {
-            const uint32_t first = triangles ? 4 * f : base.face_begin(f), count = triangles ? 4 : size;
-            for (uint32_t j = 0; j < count; ++j) add(first + j, true);
-            if (ptex_count == 1)
-                ptex.push_back(next | shared::kPtexSplit);
-            else
-                for (uint32_t j = 0; j < size; ++j) ptex.push_back(next + j);
-        }
-    }
-    Array<uint32_t> out;
-    out.allocate(ptex.size());
-    std::copy(ptex.begin(), ptex.end(), out.begin());
-    return out;
-}
-
-/// Makes corner 1 of the patch corner 0.
-void rotate_bicubic_ring(uint32_t (&ring)[16]) {
-    uint32_t old[16];
-    std::copy_n(ring, 16, old);
-    for (uint32_t v = 0; v < 4; ++v)
-        for (uint32_t u = 0; u < 4; ++u) ring[4 * v + u] = old[4 * u + (3 - v)];
-}
-
-/// Rings of all candidates, and hashes of what their plans depend on.
-void walk_surfaces(Builder& b) {
-    const size_t count = b.candidates.size(), chunks = (count + kChunk - 1) / kChunk;
-    b.chunk_rings.resize(chunks);
-    for_each_index(
-        static_cast<uint32_t>(chunks),
-        [&](uint32_t chunk) {
-            Neighborhood hood;
-            std::vector<uint32_t>& rings = b.chunk_rings[chunk];
-            rings.reserve(kChunk * 18);
-            for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-                Candidate& c = b.candidates[i];
-                c.chunk_ring = static_cast<uint32_t>(rings.size());
-                uint32_t ring[16], ring_size;
-                if (find_regular_ring(b.level(c), c.face, b.options.linear, ring, ring_size)) {
-                    c.regular = 1;
-                    // Each quad child from the corner of its parent: grids then sample all four alike.
-                    c.rotation = c.refined != 0 && b.child.face_size == 4 && ring_size == 16
-                                     ? b.place_in_parent(c) & 3
-                                     : 0;
-                    for (uint32_t k = 0; k < c.rotation; ++k) rotate_bicubic_ring(ring);
-                    rings.insert(rings.end(), ring, ring + ring_size);
-                } else {
-                    c.rotation = choose_plan_corner(b.level(c), c.face) & 3;
-                    b.walk(c, false, hood);
-                    c.hash = hash_signature(hood.signature);
-                    ring_size = static_cast<uint32_t>(hood.ring.size());
-                    rings.insert(rings.end(), hood.ring.begin(), hood.ring.end());
-                }
-                c.ring_size = ring_size & 0xfffffff;
-            }
-        },
-        1);
-}
-
-/// The number of each candidate's plan in `plans`.
-void find_plans(Builder& b, PlanSet& plans) {
-    struct Hash {
-        size_t operator()(const std::array<uint64_t, 2>& h) const { return h[0]; }
-    };
-    std::unordered_map<std::array<uint64_t, 2>, uint32_t, Hash> found;
+/// The number, in `plans`, of the plan of each kind: chunk by chunk.
+std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plans) {
+    std::unordered_map<PlanHash, uint32_t, PlanHashHash> found;
+    const PlanHash options_hash = hash_signature(begin_plan_key(c.base.options, c.options));
     Neighborhood hood;
+    auto find_regular = [&] {
+        PlanRequest request = request_regular_plan(c.base.options, c.options.linear);
+        const PlanKey key = request.key;
+        return plans.find_or_request(key, [&] { return std::move(request); });
+    };
+    auto find_irregular = [&](const CandidateChunk::Kind& kind) {
+        const PlanHash hash = {kind.hash[0] ^ options_hash[0], kind.hash[1] ^ options_hash[1]};
+        if (const uint32_t known = plans.find(hash); known != kInvalidIndex) return known;
+        const Candidate& first = c.list[kind.candidate];
+        const Topology& t = c.level(first);
+        walk_around({t}, first.face, {first.rotation, false}, hood);
+        const PlanKey key = make_plan_key(t, hood, c.options);
+        const uint32_t number =
+            plans.find_or_request(key, [&] { return request_plan(t, hood, first.rotation, key); });
+        plans.keep_hash(hash, number);
+        return number;
+    };
+    std::vector<std::vector<uint32_t>> numbers(c.chunks.size());
     uint32_t regular = kInvalidIndex;
-    for (Candidate& c : b.candidates) {
-        if (c.regular != 0) {
-            if (regular == kInvalidIndex) {
-                PlanRequest request = request_regular_plan(b.base.options, b.options.linear);
-                const PlanKey key = request.key;
-                regular = plans.find_or_request(key, [&] { return std::move(request); });
+    for (size_t i = 0; i < c.chunks.size(); ++i)
+        for (const CandidateChunk::Kind& kind : c.chunks[i].kinds) {
+            if (kind.regular) {
+                if (regular == kInvalidIndex) regular = find_regular();
+                numbers[i].push_back(regular);
+                continue;
             }
-            c.plan = regular;
-            continue;
+            const auto [at, is_new] = found.try_emplace(kind.hash, 0);
+            if (is_new) at->second = find_irregular(kind);
+            numbers[i].push_back(at->second);
         }
-        const auto [at, is_new] = found.try_emplace(c.hash, 0);
-        if (is_new) {
-            b.walk(c, true, hood);
-            const PlanKey key = make_plan_key(b.level(c), hood, b.options);
-            at->second =
-                plans.find_or_request(key, [&] { return request_plan(b.level(c), hood, c.rotation, key); });
-        }
-        c.plan = at->second;
-    }
+    return numbers;
 }
 
 /// Copies the plans that surfaces need, in the order in which they need them.
@@ -199,49 +78,105 @@ struct PlanCopy {
         table.plan_weights.allocate(weights);
         table.plan_nodes.allocate(nodes);
         table.plan_points.allocate(points);
-        uint32_t weight = 0, node_at = 0, point = 0;
+        uint32_t weight = 0, node = 0, point = 0;
         for (size_t i = 0; i < order.size(); ++i) {
             const BuiltPlan& plan = *order[i];
-            table.plans[i] = {plan.ring_size, plan.row_count, weight, node_at, point, plan.has_corner_rows};
-            for (const double w : plan.weights) table.plan_weights[weight++] = static_cast<Real>(w);
-            for (const PlanNode& node : plan.nodes) {
-                PlanNode copied = node;
-                if (node.kind() == PlanNodeKind::plan)
-                    copied.word =
-                        shared::pack_node(static_cast<uint32_t>(PlanNodeKind::plan),
-                                          numbers.at(plan.references[node.plan()]), node.rotation());
-                table.plan_nodes[node_at++] = copied;
-            }
-            for (const uint32_t p : plan.points) table.plan_points[point++] = p;
+            table.plans[i] = {plan.ring_size, plan.row_count, weight, node, point, plan.has_corner_rows};
+            weight += static_cast<uint32_t>(plan.weights.size());
+            node += static_cast<uint32_t>(plan.nodes.size());
+            point += static_cast<uint32_t>(plan.points.size());
         }
+        for_each_index(
+            static_cast<uint32_t>(order.size()), [&](uint32_t i) { copy(*order[i], table.plans[i]); }, 4);
         return {};
+    }
+    void copy(const BuiltPlan& plan, const Plan& to) {
+        std::transform(plan.weights.begin(), plan.weights.end(), table.plan_weights.begin() + to.first_weight,
+                       [](double w) { return static_cast<Real>(w); });
+        std::copy(plan.points.begin(), plan.points.end(), table.plan_points.begin() + to.first_point);
+        uint32_t at = to.first_node;
+        for (PlanNode node : plan.nodes) {
+            if (node.kind() == PlanNodeKind::plan)
+                node.word = shared::pack_node(static_cast<uint32_t>(PlanNodeKind::plan),
+                                              numbers.at(plan.references[node.plan()]), node.rotation());
+            table.plan_nodes[at++] = node;
+        }
     }
 };
 
+/// Where the ring of each chunk's first candidate begins, and a final total.
+std::vector<uint64_t> find_chunk_rings(const Candidates& c) {
+    std::vector<uint64_t> offsets(1, 0);
+    for (const CandidateChunk& chunk : c.chunks) offsets.push_back(offsets.back() + chunk.rings.size());
+    return offsets;
+}
+
+/// body(candidate, its number, its ring as entries of its chunk's rings) for all of one chunk.
+template <class Body>
+void for_each_ring(const Candidates& c, size_t chunk, const Body& body) {
+    size_t number = chunk * CandidateChunk::kSize, first = 0;
+    for (const Candidate& at : c.of_chunk(chunk)) {
+        body(at, number++, first);
+        first += at.ring_size;
+    }
+}
+
+/// Surfaces, and the plans that they need.
 template <class Real>
-Result<void> write_rings(Builder& b, const Refinement& source, BasicPatchTable<Real>& table) {
-    uint64_t ring_count = 0, children = 0;
-    std::vector<uint32_t> point_of_child(b.child.vertex_count, kInvalidIndex);
-    b.for_each_ring([&](const Candidate& c, std::span<const uint32_t> ring) {
-        ring_count += ring.size();
-        if (c.refined == 0) return;
-        for (const uint32_t v : ring) {
-            children += point_of_child[v] != 0;
-            point_of_child[v] = 0;
-        }
+Result<void> write_surfaces(const Candidates& c, const PlanSet& plans,
+                            std::vector<std::vector<uint32_t>>& numbers,
+                            const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table) {
+    PlanCopy<Real> copy{table};
+    for (auto& of_chunk : numbers)
+        for (uint32_t& number : of_chunk) number = copy.number(plans.plan(number));
+    if (auto ok = copy.copy(); !ok) return ok.error();
+    table.surfaces.allocate(c.list.size());
+    for_each_index(
+        static_cast<uint32_t>(c.chunks.size()),
+        [&](uint32_t chunk) {
+            for_each_ring(c, chunk, [&](const Candidate& at, size_t number, size_t first) {
+                table.surfaces[number] = {shared::pack_surface(numbers[chunk][at.kind], at.rotation),
+                                          static_cast<uint32_t>(chunk_rings[chunk] + first)};
+            });
+        },
+        4);
+    return {};
+}
+
+/// The points that surfaces need, and which of them are theirs.
+template <class Real>
+Result<void> write_rings(const Candidates& c, const Refinement& source,
+                         const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table) {
+    const auto chunk_count = static_cast<uint32_t>(c.chunks.size());
+    std::vector<uint32_t> point_of_child(c.child_vertex_count, kInvalidIndex);
+    auto for_each_chunk = [&](const auto& body) { for_each_index(chunk_count, body, 4); };
+    for_each_chunk([&](uint32_t chunk) {
+        for_each_ring(c, chunk, [&](const Candidate& at, size_t, size_t first) {
+            if (at.refined == 0) return;
+            for (size_t k = first; k < first + at.ring_size; ++k)
+                std::atomic_ref(point_of_child[c.chunks[chunk].rings[k]]).store(0, std::memory_order_relaxed);
+        });
     });
-    if (ring_count > kInvalidIndex || children + table.control_count + 64 > kInvalidIndex)
+    const auto children = static_cast<uint64_t>(std::count(point_of_child.begin(), point_of_child.end(), 0u));
+    if (chunk_rings.back() > kInvalidIndex || children + table.control_count + 64 > kInvalidIndex)
         return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
-    build_refined_points<Real>(b.base, b.options.linear, source.control_indices, point_of_child, table);
-    std::vector<uint32_t> points;
-    points.reserve(ring_count);
-    b.for_each_ring([&](const Candidate& c, std::span<const uint32_t> ring) {
-        for (const uint32_t v : ring)
-            points.push_back(c.refined != 0                    ? point_of_child[v]
-                             : !source.control_indices.empty() ? source.control_indices[v]
-                                                               : v);
+    if (auto ok = build_refined_points<Real>(c.base, c.options.linear, source.control_indices, point_of_child,
+                                             table);
+        !ok)
+        return ok.error();
+    Array<uint32_t> points;
+    points.allocate(chunk_rings.back());
+    for_each_chunk([&](uint32_t chunk) {
+        const std::vector<uint32_t>& rings = c.chunks[chunk].rings;
+        uint32_t* const to = points.data() + chunk_rings[chunk];
+        for_each_ring(c, chunk, [&](const Candidate& at, size_t, size_t first) {
+            for (size_t k = first; k < first + at.ring_size; ++k)
+                to[k] = at.refined != 0                   ? point_of_child[rings[k]]
+                        : !source.control_indices.empty() ? source.control_indices[rings[k]]
+                                                          : rings[k];
+        });
     });
-    table.ring_points = pack_indices(points, table.point_count());
+    table.ring_points = pack_indices(std::move(points), table.point_count());
     return {};
 }
 
@@ -262,29 +197,19 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
     table.control_count = source.control_count;
     const bool linear =
         options.interpolation == Interpolation::varying || base.options.scheme == Scheme::bilinear;
-    const std::vector<uint8_t> regular = find_regular_faces(base, linear, options.end_cap);
-    Topology child;
-    if (std::find(regular.begin(), regular.end(), 0) != regular.end()) child = refine_once(base, true);
     const uint32_t depth =
         options.end_cap == EndCap::exact ? options.plan_depth : options.isolation_level - 1;
-    Builder b{base, child, {linear, options.end_cap, depth}, {}, {}};
-    table.ptex_surfaces = list_surfaces(regular, b);
-    walk_surfaces(b);
+    Candidates candidates = find_candidates(base, {linear, options.end_cap, depth});
+    const std::vector<uint64_t> chunk_rings = find_chunk_rings(candidates);
+    table.ptex_surfaces = std::move(candidates.ptex_surfaces);
 
     const PlanCache own;
-    PlanSet plans(b.options, (shared != nullptr ? *shared : own).impl());
-    find_plans(b, plans);
+    PlanSet plans(candidates.options, (shared != nullptr ? *shared : own).impl());
+    auto numbers = find_plans(candidates, plans);
     if (auto ok = plans.build(); !ok) return ok.error();
-    PlanCopy<Real> copy{table};
-    table.surfaces.allocate(b.candidates.size());
-    uint32_t ring = 0;
-    for (size_t i = 0; i < b.candidates.size(); ++i) {
-        const Candidate& c = b.candidates[i];
-        table.surfaces[i] = {shared::pack_surface(copy.number(plans.plan(c.plan)), c.rotation), ring};
-        ring += c.ring_size;
-    }
-    if (auto ok = copy.copy(); !ok) return ok.error();
-    if (auto ok = write_rings(b, source, table); !ok) return ok.error();
+    candidates.child = {};  // most of the memory that there is
+    if (auto ok = write_surfaces(candidates, plans, numbers, chunk_rings, table); !ok) return ok.error();
+    if (auto ok = write_rings(candidates, source, chunk_rings, table); !ok) return ok.error();
     return table;
 }
 

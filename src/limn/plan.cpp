@@ -9,104 +9,42 @@
 
 #include "limn/gregory.h"
 #include "limn/local_refinement.h"
-#include "limn/patch_points.h"
+#include "limn/plan_scratch.h"
 #include "limn/topology_build.h"
 
 namespace limn {
 namespace {
-
-/// Dense rows over the plan's ring for the vertices of a topology.
-struct VertexRows {
-    size_t width;
-    std::vector<double> values;
-
-    double* row(uint32_t v) { return values.data() + v * width; }
-    const double* row(uint32_t v) const { return values.data() + v * width; }
-    void add(const Row& row, double* sum) const {
-        for (const RowEntry& e : row) {
-            const double* from = values.data() + e.index * width;
-            for (size_t j = 0; j < width; ++j) sum[j] += e.weight * from[j];
-        }
-    }
-};
-
-/// The rows of the level after `parent`, made where they are asked for.
-struct ChildRows {
-    const Topology& parent;
-    const VertexRows& parent_rows;
-    VertexRows rows;
-    std::vector<uint8_t> made;
-    Row scratch;
-
-    ChildRows(const Topology& t, const VertexRows& r, uint32_t count)
-        : parent(t),
-          parent_rows(r),
-          rows{r.width, std::vector<double>(count * r.width, 0.0)},
-          made(count, 0) {}
-    const double* row(uint32_t v) {
-        if (made[v] == 0) {
-            made[v] = 1;
-            scratch.clear();
-            refinement_row(parent, v, Interpolation::vertex, scratch);
-            parent_rows.add(scratch, rows.row(v));
-        }
-        return rows.row(v);
-    }
-};
 
 struct PlanWriter {
     const PlanOptions& options;
     const KnownPlans& known;
     NewPlan& out;
     BuiltPlan& plan;
-    std::unordered_multimap<uint64_t, uint32_t> rows_by_hash = {};
+    PlanScratch& scratch;
 
     size_t width() const { return plan.ring_size; }
-    size_t stride() const { return shared::plan_row_stride(plan.ring_size); }
-
-    uint32_t append_row(const double* row) {
-        plan.weights.insert(plan.weights.end(), row, row + width());
-        plan.weights.resize(++plan.row_count * stride(), 0.0);
-        return plan.row_count - 1;
-    }
-    uint32_t write_row(double* row) {
-        uint64_t hash = 0;
-        for (size_t j = 0; j < width(); ++j) {
-            row[j] += 0.0;  // no negative zeros
-            hash = (hash ^ std::bit_cast<uint64_t>(row[j])) * 0x9e3779b97f4a7c15 ^ hash >> 29;
-        }
-        const auto [begin, end] = rows_by_hash.equal_range(hash);
-        for (auto at = begin; at != end; ++at)
-            if (std::memcmp(row, plan.weights.data() + at->second * stride(), width() * sizeof(double)) == 0)
-                return at->second;
-        const uint32_t number = append_row(row);
-        rows_by_hash.emplace(hash, number);
-        return number;
-    }
+    PlanRows& rows() const { return scratch.rows; }
 
     void write_corner_rows(const Topology& t, const VertexRows& rows);
 
-    /// Rows of a patch's points, one after the other.
-    using Net = std::vector<double>;
-
-    template <class Rows>
-    Net make_net(const PatchPoints& patch, Rows& rows) const {
-        Net net(patch.count * width(), 0.0);
-        for (uint32_t k = 0; k < patch.count; ++k)
-            add_points(patch.points[k], rows, net.data() + k * width());
-        return net;
-    }
-    template <class Rows>
-    void add_points(const Row& row, Rows& rows, double* to) const {
-        for (const RowEntry& e : row) {
-            const double* from = rows.row(e.index);
-            for (size_t j = 0; j < width(); ++j) to[j] += e.weight * from[j];
+    template <class Point>
+    void add_point(const Point& point, LazyRows& from, double* to) const {
+        for (const RowEntry& e : point) {
+            const double* row = from.row(e.index);
+            for (size_t j = 0; j < width(); ++j) to[j] += e.weight * row[j];
         }
     }
-    void write_patch(uint32_t node, PlanNodeKind kind, Net& net) {
+    /// The number of the row of a sum of vertices.
+    template <class Point>
+    uint32_t write_point(const Point& point, LazyRows& from) const {
+        if (point.size() == 1 && point.begin()->weight == 1) return from.write(point.begin()->index, rows());
+        scratch.row.assign(width(), 0.0);
+        add_point(point, from, scratch.row.data());
+        return rows().write(scratch.row.data());
+    }
+    void begin_node(uint32_t node, PlanNodeKind kind) {
         plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0),
                             static_cast<uint32_t>(plan.points.size())};
-        for (size_t at = 0; at < net.size(); at += width()) plan.points.push_back(write_row(net.data() + at));
     }
     uint32_t add_nodes(uint32_t count) {
         const auto first = static_cast<uint32_t>(plan.nodes.size());
@@ -114,18 +52,15 @@ struct PlanWriter {
         return first;
     }
 
-    void write_crease(uint32_t node, const PatchPoints& patch, Net net);
-    template <class Rows>
-    void write_leaf(uint32_t node, const PatchPoints& patch, Rows& rows) {
-        Net net = make_net(patch, rows);
-        if (patch.crease_sharpness > 0) return write_crease(node, patch, std::move(net));
-        write_patch(node, patch.kind, net);
+    void write_crease(uint32_t node, const PatchPoints& patch, LazyRows& from);
+    void write_leaf(uint32_t node, const PatchPoints& patch, LazyRows& from) {
+        if (patch.crease_sharpness > 0) return write_crease(node, patch, from);
+        begin_node(node, patch.kind);
+        for (uint32_t k = 0; k < patch.count; ++k) plan.points.push_back(write_point(patch.points[k], from));
     }
-    template <class Rows>
-    bool write_regular(uint32_t node, const Topology& t, uint32_t face, Rows& rows);
-    template <class Rows>
-    void write_gregory(uint32_t node, const Topology& t, uint32_t face, Rows& rows);
-    void write_reference(uint32_t node, const Topology& t, uint32_t face, ChildRows& rows);
+    bool write_regular(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
+    void write_gregory(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
+    void write_reference(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
     void split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth);
     void write_root(const Topology& t, const VertexRows& rows);
 };
@@ -185,57 +120,61 @@ void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
             for (size_t j = 0; j < width(); ++j) sums[k][j] += weights[k] * from[j];
     }
     // Told by their place, also where two rows are equal.
-    for (const auto& sum : sums) append_row(sum.data());
+    for (const auto& sum : sums) this->rows().append(sum.data());
     plan.has_corner_rows = true;
 }
 
-/// Lines 0 .. 3 run along the crease, which is line 1. Each step leaves one patch beyond the crease.
-void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, Net net) {
-    const bool across_v = patch.crease_edge % 2 == 0;
-    const bool at_end = patch.crease_edge == 1 || patch.crease_edge == 2;
-    auto entry = [&](size_t line, size_t along) {
-        const size_t at = at_end ? 3 - line : line;
-        return across_v ? 4 * at + along : 4 * along + at;
-    };
-    const PlanNodeKind kind = across_v ? PlanNodeKind::split_v : PlanNodeKind::split_u;
-    float sharpness = patch.crease_sharpness;
-    while (sharpness > 0) {
-        const double sharp = std::min(sharpness, 1.0f);
-        Net near = net, beyond = net;
-        for (size_t along = 0; along < 4; ++along) {
-            for (size_t j = 0; j < width(); ++j) {
-                double p[4];
-                for (size_t line = 0; line < 4; ++line) p[line] = net[entry(line, along) * width() + j];
-                const double smooth = (p[0] + 6 * p[1] + p[2]) / 8;
-                const double child[5] = {(p[0] + p[1]) / 2, sharp * p[1] + (1 - sharp) * smooth,
-                                         (p[1] + p[2]) / 2, (p[1] + 6 * p[2] + p[3]) / 8, (p[2] + p[3]) / 2};
-                for (size_t line = 0; line < 4; ++line) {
-                    near[entry(line, along) * width() + j] = child[line];
-                    beyond[entry(line, along) * width() + j] = child[line + 1];
-                }
-            }
-        }
-        const uint32_t first = add_nodes(2);
-        plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0), first};
-        write_patch(at_end ? first : first + 1, PlanNodeKind::bicubic, beyond);
-        node = at_end ? first + 1 : first;
-        net = std::move(near);
-        sharpness = child_sharpness(sharpness);
+/// One step across a crease: four lines of points that run along it, `step` numbers a line, give five; line 1
+/// is the crease.
+void refine_crease(const double* lines, size_t step, double sharp, double* child) {
+    const double *p0 = lines, *p1 = p0 + step, *p2 = p1 + step, *p3 = p2 + step;
+    for (size_t j = 0; j < step; ++j) {
+        const double smooth = (p0[j] + 6 * p1[j] + p2[j]) / 8;
+        child[j] = (p0[j] + p1[j]) / 2;
+        child[step + j] = sharp * p1[j] + (1 - sharp) * smooth;
+        child[2 * step + j] = (p1[j] + p2[j]) / 2;
+        child[3 * step + j] = (p1[j] + 6 * p2[j] + p3[j]) / 8;
+        child[4 * step + j] = (p2[j] + p3[j]) / 2;
     }
-    write_patch(node, PlanNodeKind::bicubic, net);
 }
 
-void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face, ChildRows& rows) {
-    Neighborhood hood;
+/// Each step leaves one patch beyond the crease.
+void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, LazyRows& from) {
+    const bool across_v = patch.crease_edge % 2 == 0;
+    const bool at_end = patch.crease_edge == 1 || patch.crease_edge == 2;
+    // Where point k of a patch lies in its four lines.
+    auto place = [&](uint32_t k) {
+        const uint32_t across = across_v ? k / 4 : k % 4, along = across_v ? k % 4 : k / 4;
+        return (4 * (at_end ? 3 - across : across) + along) * width();
+    };
+    auto write = [&](uint32_t at, double* lines) {
+        begin_node(at, PlanNodeKind::bicubic);
+        for (uint32_t k = 0; k < 16; ++k) plan.points.push_back(rows().write(lines + place(k)));
+    };
+    const size_t step = 4 * width();
+    std::vector<double>&lines = scratch.lines, &child = scratch.child_lines;
+    lines.assign(5 * step, 0.0);
+    child.resize(5 * step);
+    for (uint32_t k = 0; k < 16; ++k) add_point(patch.points[k], from, lines.data() + place(k));
+    const PlanNodeKind kind = across_v ? PlanNodeKind::split_v : PlanNodeKind::split_u;
+    for (float sharpness = patch.crease_sharpness; sharpness > 0; sharpness = child_sharpness(sharpness)) {
+        refine_crease(lines.data(), step, std::min(sharpness, 1.0f), child.data());
+        const uint32_t first = add_nodes(2);
+        plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0), first};
+        // Zeros that are made positive here do not matter to the lines of the next step.
+        write(at_end ? first : first + 1, child.data() + step);
+        node = at_end ? first + 1 : first;
+        std::swap(lines, child);
+    }
+    write(node, lines.data());
+}
+
+void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
+    Neighborhood& hood = scratch.hood;
     const uint32_t corner = choose_plan_corner(t, face);
     walk_around({t}, face, {corner, false}, hood);
     const auto first = static_cast<uint32_t>(plan.points.size());
-    std::vector<double> row;
-    for (const uint32_t v : hood.ring) {
-        const double* from = rows.row(v);
-        row.assign(from, from + width());
-        plan.points.push_back(write_row(row.data()));
-    }
+    for (const uint32_t v : hood.ring) plan.points.push_back(from.write(v, rows()));
     PlanReference reference{make_plan_key(t, hood, options), {}};
     size_t at = 0;
     while (at < out.references.size() && out.references[at].key != reference.key) ++at;
@@ -247,55 +186,47 @@ void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face
     out.references.push_back(std::move(reference));
 }
 
-template <class Rows>
-bool PlanWriter::write_regular(uint32_t node, const Topology& t, uint32_t face, Rows& rows) {
+bool PlanWriter::write_regular(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
     PatchPoints patch;
     if (!find_patch_points(t, face, options.linear, patch)) return false;
     // OpenSubdiv's evaluators know no single-crease patches.
     if (patch.crease_sharpness > 0 && options.end_cap != EndCap::exact) return false;
-    write_leaf(node, patch, rows);
+    write_leaf(node, patch, from);
     return true;
 }
 
 /// Where there is no such patch, the face itself: its corners' limits and what is between them.
-template <class Rows>
-void PlanWriter::write_gregory(uint32_t node, const Topology& t, uint32_t face, Rows& rows) {
+void PlanWriter::write_gregory(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
     GregoryPoints gregory;
     const bool triangles = t.options.scheme == Scheme::loop;
     PatchPoints patch;
     if (!find_gregory_points(t, face, gregory)) {
         find_patch_points(t, face, true, patch);
-        return write_leaf(node, patch, rows);
+        return write_leaf(node, patch, from);
     }
-    Net net(gregory.count * width(), 0.0);
-    for (uint32_t k = 0; k < gregory.count; ++k)
-        add_points(gregory.points[k], rows, net.data() + k * width());
-    write_patch(node, triangles ? PlanNodeKind::gregory_triangle : PlanNodeKind::gregory, net);
+    begin_node(node, triangles ? PlanNodeKind::gregory_triangle : PlanNodeKind::gregory);
+    for (uint32_t k = 0; k < gregory.count; ++k) plan.points.push_back(write_point(gregory.points[k], from));
 }
 
 /// Face 0 of t, which is no patch.
 void PlanWriter::split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth) {
-    const Topology child = refine_once(t, true);
-    ChildRows child_rows(t, rows, child.vertex_count);
+    PlanScratch::Level& level = scratch.levels[depth];
+    Topology& child = level.child;
+    refine_once(t, true, child);
+    level.rows.begin(t, rows, child.vertex_count);
     const uint32_t first = add_nodes(4);
     plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(PlanNodeKind::split), 0, 0), first};
     for (uint32_t j = 0; j < 4; ++j) {
-        if (write_regular(first + j, child, j, child_rows)) continue;
+        if (write_regular(first + j, child, j, level.rows)) continue;
         if (depth + 1 == options.depth) {
             if (options.end_cap == EndCap::exact)
-                write_reference(first + j, child, j, child_rows);
+                write_reference(first + j, child, j, level.rows);
             else
-                write_gregory(first + j, child, j, child_rows);
+                write_gregory(first + j, child, j, level.rows);
         } else {
-            std::vector<uint32_t> vertices;
-            const Topology part = extract_faces(child, faces_touching_face(child, j), vertices);
-            VertexRows part_rows{width(), {}};
-            part_rows.values.reserve(vertices.size() * width());
-            for (const uint32_t v : vertices) {
-                const double* from = child_rows.row(v);
-                part_rows.values.insert(part_rows.values.end(), from, from + width());
-            }
-            split(first + j, part, part_rows, depth + 1);
+            extract_faces(child, faces_touching_face(child, j), level.vertices, level.part);
+            level.part_rows.copy(level.rows, level.vertices);
+            split(first + j, level.part, level.part_rows, depth + 1);
         }
     }
 }
@@ -320,8 +251,10 @@ bool has_fading_rules(const Topology& t) {
 
 void PlanWriter::write_root(const Topology& t, const VertexRows& rows) {
     const uint32_t root = add_nodes(1);
-    if (write_regular(root, t, 0, rows)) return;
-    if (options.end_cap != EndCap::exact && options.depth == 0) return write_gregory(root, t, 0, rows);
+    scratch.root.begin(rows, t.vertex_count);
+    if (write_regular(root, t, 0, scratch.root)) return;
+    if (options.end_cap != EndCap::exact && options.depth == 0)
+        return write_gregory(root, t, 0, scratch.root);
     if (options.end_cap == EndCap::exact && !has_fading_rules(t)) write_corner_rows(t, rows);
     split(root, t, rows, 0);
 }
@@ -334,16 +267,6 @@ void rotate_first_face(Topology& t, uint32_t rotation) {
     for (Array<uint32_t>* corners : {&t.edge_corners, &t.vertex_corners})
         for (uint32_t& c : *corners)
             if (c < size) c = (c + size - rotation) % size;
-}
-
-PlanKey begin_key(const SchemeOptions& o, const PlanOptions& options) {
-    return {static_cast<uint32_t>(o.scheme),
-            static_cast<uint32_t>(o.creasing),
-            static_cast<uint32_t>(o.triangles),
-            o.opensubdiv_compatible,
-            options.linear,
-            options.end_cap != EndCap::exact,
-            options.depth};
 }
 
 /// Ring points are those of the patch.
@@ -360,7 +283,18 @@ void write_regular_plan(PlanNodeKind kind, BuiltPlan& plan) {
 
 }  // namespace
 
-NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known) {
+PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options) {
+    return {static_cast<uint32_t>(o.scheme),
+            static_cast<uint32_t>(o.creasing),
+            static_cast<uint32_t>(o.triangles),
+            o.opensubdiv_compatible,
+            options.linear,
+            options.end_cap != EndCap::exact,
+            options.depth};
+}
+
+NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
+                   PlanScratch& scratch) {
     NewPlan out;
     BuiltPlan& plan = *out.plan;
     plan.ring_size = request.ring_size;
@@ -370,16 +304,18 @@ NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const
     }
     VertexRows rows{plan.ring_size, std::vector<double>(request.slots.size() * plan.ring_size, 0.0)};
     for (uint32_t v = 0; v < request.slots.size(); ++v) rows.row(v)[request.slots[v]] = 1;
-    PlanWriter writer{options, known, out, plan};
+    scratch.rows.begin(plan);
+    PlanWriter writer{options, known, out, plan, scratch};
     writer.write_root(request.part, rows);
+    scratch.rows.end();
     return out;
 }
 
 PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
     const bool triangles = options.scheme == Scheme::loop;
     PlanRequest request;
-    request.key =
-        begin_key({.scheme = options.scheme}, {linear, EndCap::exact, 0});  // nothing but the scheme matters
+    request.key = begin_plan_key({.scheme = options.scheme},
+                                 {linear, EndCap::exact, 0});  // nothing but the scheme matters
     request.ring_size = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
     request.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
                           : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
@@ -387,7 +323,7 @@ PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
 }
 
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options) {
-    PlanKey key = begin_key(t.options, options);
+    PlanKey key = begin_plan_key(t.options, options);
     key.push_back(static_cast<uint32_t>(hood.ring.size()));
     key.insert(key.end(), hood.signature.begin(), hood.signature.end());
     return key;
@@ -406,14 +342,16 @@ PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t c
     return request;
 }
 
-uint32_t choose_plan_corner(const Topology& t, uint32_t face) {
+uint32_t choose_plan_corner(const Topology& t, uint32_t face, const std::vector<uint8_t>* regular) {
     const uint32_t begin = t.face_begin(face), size = t.size_of_face(face);
     uint32_t best = 0;
     size_t most = 0;
     for (uint32_t i = 0; i < size; ++i) {
         const uint32_t v = t.face_vertices[begin + i];
         const bool smooth = t.vertex_rules[v] == VertexRule::smooth;
-        const size_t oddness = size_t{2} * !is_regular_corner(t, begin + i) + !smooth;
+        const bool is_regular =
+            regular != nullptr && smooth ? (*regular)[v] != 0 : is_regular_corner(t, begin + i);
+        const size_t oddness = size_t{2} * !is_regular + !smooth;
         const size_t key = (oddness << 32) + t.edges_of_vertex(v).size() + 1;
         if (key > most) {
             most = key;

@@ -38,8 +38,9 @@ struct PlanOptions {
 };
 
 /// The corner of a face that its plan calls 0, so that alike faces share: the least regular one. Where only
-/// one is irregular evaluation must find it there, at every level (Plan::has_corner_rows).
-uint32_t choose_plan_corner(const Topology& t, uint32_t face);
+/// one is irregular evaluation must find it there, at every level (Plan::has_corner_rows). `regular`, where
+/// at hand, is what find_regular_vertices made.
+uint32_t choose_plan_corner(const Topology& t, uint32_t face, const std::vector<uint8_t>* regular = nullptr);
 
 /// A plan to build: of a face of `t`, with its neighbourhood walked from choose_plan_corner.
 struct PlanRequest {
@@ -49,8 +50,10 @@ struct PlanRequest {
     uint32_t ring_size = 0;
     PlanNodeKind kind = PlanNodeKind::split;  ///< of a regular face, which has no `part`
 };
-/// The plan of faces that have a regular ring (find_regular_ring).
+/// The plan of faces that have a regular ring (write_regular_ring).
 PlanRequest request_regular_plan(const SchemeOptions& options, bool linear);
+/// What all keys of a mesh begin with.
+PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options);
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options);
 PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key);
 
@@ -65,7 +68,10 @@ struct NewPlan {
 };
 using KnownPlans = std::unordered_map<PlanKey, uint32_t, PlanKeyHash>;
 
+struct PlanScratch;  ///< plan_scratch.h
+
 /// Builds a plan. What it refers to and is not known comes with a request.
-NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known);
+NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
+                   PlanScratch& scratch);
 
 }  // namespace limn

@@ -1,6 +1,9 @@
 #include "limn/plan_set.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include "limn/parallel.h"
+#include "limn/plan_scratch.h"
 
 namespace limn {
 
@@ -10,7 +13,16 @@ const BuiltPlan* PlanSet::find_cached(const PlanKey& key) const {
     return at == cache_.plans.end() ? nullptr : at->second.get();
 }
 
+uint32_t PlanSet::find(const PlanHash& hash) {
+    const std::lock_guard lock(cache_.mutex);
+    const auto at = cache_.plans_by_hash.find(hash);
+    if (at == cache_.plans_by_hash.end()) return kInvalidIndex;
+    entries_.push_back({nullptr, at->second, nullptr, {}});
+    return static_cast<uint32_t>(entries_.size()) - 1;
+}
+
 Result<void> PlanSet::build() {
+    tbb::enumerable_thread_specific<PlanScratch> scratch;
     while (!requests_.empty()) {
         const std::vector<Request> batch = std::exchange(requests_, {});
         for (const Request& r : batch)
@@ -20,7 +32,8 @@ Result<void> PlanSet::build() {
         std::vector<NewPlan> built(batch.size());
         for_each_index(
             static_cast<uint32_t>(batch.size()),
-            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_); }, 1);
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local()); },
+            1);
         // In their order, so that numbers do not depend on threads.
         for (size_t i = 0; i < batch.size(); ++i) {
             std::vector<uint32_t> references;
@@ -54,6 +67,9 @@ void PlanSet::keep_in_cache() {
     }
     for (const auto& [plan, references] : kept)
         for (const uint32_t r : *references) plan->references.push_back(entries_[r].plan);
+    for (const auto& [hash, number] : hashes_)
+        if (cache_.plans_by_hash.try_emplace(hash, entries_[number].plan).second)
+            cache_.bytes += sizeof(PlanHash) + sizeof(const BuiltPlan*);
 }
 
 PlanCache::PlanCache() : impl_(std::make_unique<Impl>()) {}

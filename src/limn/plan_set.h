@@ -7,9 +7,17 @@
 
 namespace limn {
 
+/// 128 bits in the place of a key: told more quickly where a plan is known. Different ones may be of one
+/// plan.
+using PlanHash = std::array<uint64_t, 2>;
+struct PlanHashHash {
+    size_t operator()(const PlanHash& hash) const { return hash[0]; }
+};
+
 struct PlanCache::Impl {
     std::mutex mutex;
     std::unordered_map<PlanKey, std::unique_ptr<BuiltPlan>, PlanKeyHash> plans;
+    std::unordered_map<PlanHash, const BuiltPlan*, PlanHashHash> plans_by_hash;
     uint64_t bytes = 0;
 };
 
@@ -29,6 +37,11 @@ class PlanSet {
         return at->second;
     }
 
+    /// The number of the plan of a hash that was kept in the cache, or kInvalidIndex.
+    uint32_t find(const PlanHash& hash);
+    /// Lets later builds find the plan by this hash, once build() puts it into the cache.
+    void keep_hash(const PlanHash& hash, uint32_t number) { hashes_.emplace_back(hash, number); }
+
     /// Builds what was requested, and what that refers to; then hands all to the cache. After it plan()
     /// holds.
     Result<void> build();
@@ -36,7 +49,7 @@ class PlanSet {
 
   private:
     struct Entry {
-        const PlanKey* key;
+        const PlanKey* key;                ///< null where found by a hash
         const BuiltPlan* plan;             ///< in the cache, or `built`
         std::unique_ptr<BuiltPlan> built;  ///< not yet in the cache
         std::vector<uint32_t> references;  ///< numbers
@@ -53,6 +66,7 @@ class PlanSet {
     KnownPlans numbers_;
     std::vector<Entry> entries_;
     std::vector<Request> requests_;
+    std::vector<std::pair<PlanHash, uint32_t>> hashes_;
 };
 
 }  // namespace limn

@@ -10,22 +10,29 @@
 
 namespace limn {
 
-IndexList pack_indices(const std::vector<uint32_t>& indices, uint32_t bound) {
+IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound) {
     IndexList list;
     list.narrow = bound <= 0x10000;
     if (!list.narrow) {
-        list.words.allocate(indices.size());
-        std::copy(indices.begin(), indices.end(), list.words.begin());
+        list.words = std::move(indices);
         return list;
     }
-    list.words.assign((indices.size() + 1) / 2, 0);
-    for (size_t i = 0; i < indices.size(); ++i) list.words[i / 2] |= indices[i] << (16 * (i & 1));
+    const size_t count = indices.size();
+    list.words.allocate((count + 1) / 2);
+    for_each_index(
+        static_cast<uint32_t>(list.words.size()),
+        [&](uint32_t i) {
+            const size_t k = 2 * size_t{i};
+            list.words[i] = indices[k] | (k + 1 < count ? indices[k + 1] << 16 : 0);
+        },
+        1 << 15);
     return list;
 }
 
 namespace {
 
-/// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of.
+/// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of. Each
+/// chunk of rows finds the patterns of weights that it meets; then the chunks' patterns become runs.
 template <class Real>
 class PointBuilder {
   public:
@@ -34,63 +41,75 @@ class PointBuilder {
         : base_(base), linear_(linear), control_indices_(control_indices), table_(table) {}
 
     /// point_of_child[v] is not kInvalidIndex where v is needed, and receives its point.
-    void build(std::vector<uint32_t>& point_of_child) {
+    Result<void> build(std::vector<uint32_t>& point_of_child) {
         std::vector<uint32_t> needed;
         for (uint32_t v = 0; v < point_of_child.size(); ++v)
             if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
         table_.first_refined = needed.empty() ? table_.control_count : (table_.control_count + 63) & ~63u;
-        make_rows(needed);
-        group_rows();
-        std::vector<uint32_t> cursor, indices(indices_.size());
-        for (const PointRun& run : runs_) cursor.push_back(run.first_point);
-        for (size_t i = 0; i < needed.size(); ++i) {
-            const PointRun& run = runs_[patterns_[i]];
-            const uint32_t point = cursor[patterns_[i]]++;
-            point_of_child[needed[i]] = point;
-            std::copy_n(indices_.begin() + static_cast<ptrdiff_t>(offsets_[i]), run.entry_count,
-                        indices.begin() + run.first_index +
-                            static_cast<ptrdiff_t>(point - run.first_point) * run.entry_count);
-        }
         table_.refined_count = static_cast<uint32_t>(needed.size());
-        table_.point_indices = pack_indices(indices, table_.control_count);
-        table_.point_runs.allocate(runs_.size());
-        std::copy(runs_.begin(), runs_.end(), table_.point_runs.begin());
-        table_.point_weights.allocate(run_weights_.size());
-        std::copy(run_weights_.begin(), run_weights_.end(), table_.point_weights.begin());
+        std::vector<Chunk> chunks((needed.size() + kChunkSize - 1) / kChunkSize);
+        auto of_chunk = [&](uint32_t n) {
+            const size_t begin = n * kChunkSize;
+            return std::span(needed).subspan(begin, std::min(kChunkSize, needed.size() - begin));
+        };
+        const auto chunk_count = static_cast<uint32_t>(chunks.size());
+        for_each_index(
+            chunk_count, [&](uint32_t n) { make_rows(of_chunk(n), chunks[n]); }, 1);
+        const size_t index_count = make_runs(chunks);
+        if (index_count > kInvalidIndex)
+            return Error{ErrorCode::too_large, "points of level 1 are made of 2^32 control points or more"};
+        Array<uint32_t> indices;
+        indices.allocate(index_count);
+        for_each_index(
+            chunk_count, [&](uint32_t n) { place_rows(of_chunk(n), chunks[n], point_of_child, indices); }, 1);
+        table_.point_indices = pack_indices(std::move(indices), table_.control_count);
+        return {};
     }
 
   private:
-    void make_rows(const std::vector<uint32_t>& needed) {
+    static constexpr size_t kChunkSize = 512;
+    struct Pattern {
+        uint64_t hash;
+        uint32_t entry_count, first_weight;  ///< in the weights of its chunk
+        uint32_t row_count = 0;
+        uint32_t run = 0;
+        uint32_t next_row = 0;  ///< the row of the run that the chunk's next row of this pattern is
+    };
+    struct Chunk {
+        std::vector<uint32_t> pattern_of_row, indices;
+        std::vector<Pattern> patterns;
+        std::vector<Real> weights;
+    };
+
+    void make_rows(std::span<const uint32_t> children, Chunk& chunk) const {
         const Interpolation rules = linear_ ? Interpolation::varying : Interpolation::vertex;
-        constexpr size_t kRowChunk = 512;
-        struct Chunk {
-            std::vector<uint32_t> sizes, indices;
-            std::vector<Real> weights;
-        };
-        std::vector<Chunk> chunks((needed.size() + kRowChunk - 1) / kRowChunk);
-        for_each_index(
-            static_cast<uint32_t>(chunks.size()),
-            [&](uint32_t n) {
-                Chunk& chunk = chunks[n];
-                Row row;
-                for (size_t i = n * kRowChunk; i < std::min(needed.size(), (n + 1) * kRowChunk); ++i) {
-                    row.clear();
-                    refinement_row(base_, needed[i], rules, row);
-                    chunk.sizes.push_back(append(row, chunk.indices, chunk.weights));
-                }
-            },
-            1);
-        offsets_.push_back(0);
-        for (const Chunk& chunk : chunks) {
-            for (const uint32_t size : chunk.sizes) offsets_.push_back(offsets_.back() + size);
-            indices_.insert(indices_.end(), chunk.indices.begin(), chunk.indices.end());
-            weights_.insert(weights_.end(), chunk.weights.begin(), chunk.weights.end());
+        std::unordered_multimap<uint64_t, uint32_t> patterns_by_hash;
+        Row row;
+        std::vector<Real> weights;
+        for (const uint32_t child : children) {
+            row.clear();
+            refinement_row(base_, child, rules, row);
+            append(row, chunk.indices, weights);
+            const uint64_t hash = hash_weights(weights);
+            const auto [begin, end] = patterns_by_hash.equal_range(hash);
+            auto at = std::find_if(begin, end, [&](const auto& entry) {
+                return has_weights(chunk, chunk.patterns[entry.second], weights);
+            });
+            if (at == end) {
+                at = patterns_by_hash.emplace(hash, static_cast<uint32_t>(chunk.patterns.size()));
+                chunk.patterns.push_back({hash, static_cast<uint32_t>(weights.size()),
+                                          static_cast<uint32_t>(chunk.weights.size())});
+                chunk.weights.insert(chunk.weights.end(), weights.begin(), weights.end());
+            }
+            ++chunk.patterns[at->second].row_count;
+            chunk.pattern_of_row.push_back(at->second);
         }
     }
 
     /// Adds up what a row says of the same control point.
-    uint32_t append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
+    void append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
         const size_t begin = indices.size();
+        weights.clear();
         for (const RowEntry& e : row) {
             const uint32_t index = control_indices_.empty() ? e.index : control_indices_[e.index];
             size_t at = begin;
@@ -99,41 +118,72 @@ class PointBuilder {
                 indices.push_back(index);
                 weights.push_back(0);
             }
-            weights[at] += static_cast<Real>(e.weight);
+            weights[at - begin] += static_cast<Real>(e.weight);
         }
-        return static_cast<uint32_t>(indices.size() - begin);
     }
 
-    void group_rows() {
+    static uint64_t hash_weights(std::span<const Real> weights) {
+        uint64_t hash = weights.size();
+        for (const Real w : weights)
+            hash = (hash ^ std::bit_cast<uint64_t>(static_cast<double>(w))) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+        return hash;
+    }
+    static std::span<const Real> weights_of(const Chunk& chunk, const Pattern& pattern) {
+        return std::span(chunk.weights).subspan(pattern.first_weight, pattern.entry_count);
+    }
+    static bool has_weights(const Chunk& chunk, const Pattern& pattern, std::span<const Real> weights) {
+        return std::ranges::equal(weights_of(chunk, pattern), weights);
+    }
+
+    /// Runs in the order in which rows need them. Returns how many indices they have.
+    size_t make_runs(std::vector<Chunk>& chunks) {
         std::unordered_multimap<uint64_t, uint32_t> runs_by_hash;
-        for (size_t i = 0; i + 1 < offsets_.size(); ++i) {
-            const Real* weights = weights_.data() + offsets_[i];
-            const auto count = static_cast<uint32_t>(offsets_[i + 1] - offsets_[i]);
-            uint64_t hash = count;
-            for (uint32_t k = 0; k < count; ++k) {
-                const auto w = static_cast<double>(weights[k]);
-                hash = (hash ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+        std::vector<PointRun> runs;
+        std::vector<Real> run_weights;
+        for (Chunk& chunk : chunks)
+            for (Pattern& pattern : chunk.patterns) {
+                const std::span<const Real> weights = weights_of(chunk, pattern);
+                const auto [begin, end] = runs_by_hash.equal_range(pattern.hash);
+                auto at = std::find_if(begin, end, [&](const auto& entry) {
+                    const PointRun& run = runs[entry.second];
+                    return run.entry_count == pattern.entry_count &&
+                           std::equal(weights.begin(), weights.end(), run_weights.begin() + run.first_weight);
+                });
+                if (at == end) {
+                    at = runs_by_hash.emplace(pattern.hash, static_cast<uint32_t>(runs.size()));
+                    runs.push_back({0, 0, pattern.entry_count, 0, static_cast<uint32_t>(run_weights.size())});
+                    run_weights.insert(run_weights.end(), weights.begin(), weights.end());
+                }
+                pattern.run = at->second;
+                pattern.next_row = runs[pattern.run].row_count;
+                runs[pattern.run].row_count += pattern.row_count;
             }
-            const auto [begin, end] = runs_by_hash.equal_range(hash);
-            auto at = std::find_if(begin, end, [&](const auto& entry) {
-                const PointRun& run = runs_[entry.second];
-                return run.entry_count == count &&
-                       std::equal(weights, weights + count, run_weights_.begin() + run.first_weight);
-            });
-            if (at == end) {
-                at = runs_by_hash.emplace(hash, static_cast<uint32_t>(runs_.size()));
-                runs_.push_back({0, 0, count, 0, static_cast<uint32_t>(run_weights_.size())});
-                run_weights_.insert(run_weights_.end(), weights, weights + count);
-            }
-            ++runs_[at->second].row_count;
-            patterns_.push_back(at->second);
-        }
-        uint32_t point = table_.first_refined, index = 0;
-        for (PointRun& run : runs_) {
+        uint32_t point = table_.first_refined;
+        size_t index = 0;
+        for (PointRun& run : runs) {
             run.first_point = point;
-            run.first_index = index;
+            run.first_index = static_cast<uint32_t>(index);
             point += run.row_count;
-            index += run.row_count * run.entry_count;
+            index += size_t{run.row_count} * run.entry_count;
+        }
+        table_.point_runs.allocate(runs.size());
+        std::copy(runs.begin(), runs.end(), table_.point_runs.begin());
+        table_.point_weights.allocate(run_weights.size());
+        std::copy(run_weights.begin(), run_weights.end(), table_.point_weights.begin());
+        return index;
+    }
+
+    void place_rows(std::span<const uint32_t> children, Chunk& chunk, std::vector<uint32_t>& point_of_child,
+                    Array<uint32_t>& indices) const {
+        const uint32_t* from = chunk.indices.data();
+        for (size_t i = 0; i < children.size(); ++i) {
+            Pattern& pattern = chunk.patterns[chunk.pattern_of_row[i]];
+            const PointRun& run = table_.point_runs[pattern.run];
+            const uint32_t row = pattern.next_row++;
+            point_of_child[children[i]] = run.first_point + row;
+            std::copy_n(from, run.entry_count,
+                        indices.begin() + run.first_index + size_t{row} * run.entry_count);
+            from += run.entry_count;
         }
     }
 
@@ -141,18 +191,14 @@ class PointBuilder {
     bool linear_;
     const Array<uint32_t>& control_indices_;
     BasicPatchTable<Real>& table_;
-    std::vector<size_t> offsets_;
-    std::vector<uint32_t> indices_, patterns_;
-    std::vector<Real> weights_, run_weights_;
-    std::vector<PointRun> runs_;
 };
 
 }  // namespace
 
 template <class Real>
-void build_refined_points(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
-                          std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table) {
-    PointBuilder<Real>(base, linear, control_indices, table).build(point_of_child);
+Result<void> build_refined_points(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
+                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table) {
+    return PointBuilder<Real>(base, linear, control_indices, table).build(point_of_child);
 }
 
 template <class Real>
@@ -179,10 +225,10 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
     return out;
 }
 
-template void build_refined_points<float>(const Topology&, bool, const Array<uint32_t>&,
-                                          std::vector<uint32_t>&, PatchTable&);
-template void build_refined_points<double>(const Topology&, bool, const Array<uint32_t>&,
-                                           std::vector<uint32_t>&, PatchTableDouble&);
+template Result<void> build_refined_points<float>(const Topology&, bool, const Array<uint32_t>&,
+                                                  std::vector<uint32_t>&, PatchTable&);
+template Result<void> build_refined_points<double>(const Topology&, bool, const Array<uint32_t>&,
+                                                   std::vector<uint32_t>&, PatchTableDouble&);
 template StencilTable build_point_table<float>(const PatchTable&);
 template StencilTableDouble build_point_table<double>(const PatchTableDouble&);
 

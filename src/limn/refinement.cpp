@@ -269,8 +269,7 @@ VertexRule child_rule_of_edge(const Topology& p, uint32_t e) {
     return vertex_rule(0, (p.child_sharpness_of_edge(e, 0) > 0) + (p.child_sharpness_of_edge(e, 1) > 0));
 }
 
-Topology refine_once(const Topology& parent, bool full) {
-    Topology child;
+void refine_once(const Topology& parent, bool full, Topology& child) {
     const Split split{parent, child};
     allocate_common(split, full);
     if (split.triangles())
@@ -280,6 +279,11 @@ Topology refine_once(const Topology& parent, bool full) {
     split_edges(split, full);
     split_vertices(split, full);
     if (full) build_half_edge_sharpness(child);
+}
+
+Topology refine_once(const Topology& parent, bool full) {
+    Topology child;
+    refine_once(parent, full, child);
     return child;
 }
 

@@ -48,6 +48,8 @@ VertexRule child_rule_of_edge(const Topology& parent, uint32_t e);
 
 /// One refinement step. `full`: with edges and stars.
 Topology refine_once(const Topology& parent, bool full);
+/// The same into a topology that has been made by it before, or is new.
+void refine_once(const Topology& parent, bool full, Topology& child);
 
 /// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a
 /// channel's level the half_edge_sharpness (and dependent_seam_sharpness) that the uncut level has for them.

@@ -1,0 +1,85 @@
+// Rows of weights while a plan is built. Not part of the public interface.
+#pragma once
+
+#include <algorithm>
+
+#include "limn/patch_points.h"
+#include "limn/plan.h"
+
+namespace limn {
+
+/// Dense rows over the plan's ring for the vertices of a topology.
+struct VertexRows {
+    size_t width = 0;
+    std::vector<double> values;
+
+    double* row(uint32_t v) { return values.data() + v * width; }
+    const double* row(uint32_t v) const { return values.data() + v * width; }
+    /// The rows of some vertices of `from`, in this order.
+    template <class From>
+    void copy(From& from, const std::vector<uint32_t>& vertices) {
+        width = from.rows.width;
+        values.resize(vertices.size() * width);
+        for (uint32_t i = 0; i < vertices.size(); ++i) std::copy_n(from.row(vertices[i]), width, row(i));
+    }
+};
+
+/// The rows of a plan, each value once.
+class PlanRows {
+  public:
+    /// Starts to write the rows of `plan`, whose ring_size is known.
+    void begin(BuiltPlan& plan);
+    /// The plan receives its rows.
+    void end() { plan_->weights.assign(weights_.begin(), weights_.end()); }
+    /// A row of its own, also where there is an equal one.
+    uint32_t append(const double* row);
+    /// The number of a row; negative zeros in it become zeros.
+    uint32_t write(double* row);
+    size_t width() const { return plan_->ring_size; }
+
+  private:
+    struct Slot {
+        uint64_t hash;
+        uint32_t row;
+    };
+    void grow();
+
+    BuiltPlan* plan_ = nullptr;
+    std::vector<double> weights_;
+    std::vector<Slot> slots_;  ///< a power of two of them, half of them free
+    uint32_t used_ = 0;
+};
+
+/// The rows of a topology's vertices; those of a refined level are made where they are asked for.
+class LazyRows {
+  public:
+    /// Of the level after `parent`, which has `count` vertices.
+    void begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count);
+    /// Of `count` vertices, whose rows are known.
+    void begin(const VertexRows& known, uint32_t count);
+    const double* row(uint32_t v) {
+        if (made_[v] == 0) make(v);
+        return rows.row(v);
+    }
+    /// The number of v's row in the plan.
+    uint32_t write(uint32_t v, PlanRows& plan) {
+        if (numbers_[v] == kInvalidIndex) {
+            row(v);
+            numbers_[v] = plan.write(rows.row(v));
+        }
+        return numbers_[v];
+    }
+
+    VertexRows rows;
+
+  private:
+    void make(uint32_t v);
+
+    const Topology* parent_ = nullptr;
+    const VertexRows* parent_rows_ = nullptr;
+    std::vector<uint8_t> made_;
+    std::vector<uint32_t> numbers_;  ///< kInvalidIndex where not yet written
+    Row scratch_;
+};
+
+}  // namespace limn
