@@ -196,6 +196,7 @@ struct PlanCopy {
         if (weights > kInvalidIndex || points > kInvalidIndex || order.size() >= shared::kMaxPlans)
             return Error{ErrorCode::too_large, "plans hold 2^32 weights or more"};
         table.plans.allocate(order.size());
+        table.plan_identities.allocate(order.size());
         table.plan_weights.allocate(weights);
         table.plan_nodes.allocate(nodes);
         table.plan_points.allocate(points);
@@ -203,6 +204,7 @@ struct PlanCopy {
         for (size_t i = 0; i < order.size(); ++i) {
             const BuiltPlan& plan = *order[i];
             table.plans[i] = {plan.ring_size, plan.row_count, weight, node_at, point, plan.has_corner_rows};
+            table.plan_identities[i] = plan.identity;
             for (const double w : plan.weights) table.plan_weights[weight++] = static_cast<Real>(w);
             for (const PlanNode& node : plan.nodes) {
                 PlanNode copied = node;

@@ -23,6 +23,50 @@ IndexList pack_indices(const std::vector<uint32_t>& indices, uint32_t bound) {
     return list;
 }
 
+template <class Real>
+uint32_t PointRuns<Real>::add(const Real* weights, uint32_t entry_count, uint32_t row_count) {
+    uint64_t hash = entry_count;
+    for (uint32_t k = 0; k < entry_count; ++k) {
+        const auto w = static_cast<double>(weights[k]);
+        hash = (hash ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+    }
+    const auto [begin, end] = runs_by_hash_.equal_range(hash);
+    auto at = std::find_if(begin, end, [&](const auto& entry) {
+        const PointRun& run = runs_[entry.second];
+        return run.entry_count == entry_count &&
+               std::equal(weights, weights + entry_count, weights_.begin() + run.first_weight);
+    });
+    if (at == end) {
+        at = runs_by_hash_.emplace(hash, static_cast<uint32_t>(runs_.size()));
+        runs_.push_back({0, 0, entry_count, 0, static_cast<uint32_t>(weights_.size())});
+        weights_.insert(weights_.end(), weights, weights + entry_count);
+    }
+    runs_[at->second].row_count += row_count;
+    return at->second;
+}
+
+template <class Real>
+void PointRuns<Real>::place(uint32_t first_point) {
+    uint32_t index = 0;
+    for (PointRun& run : runs_) {
+        run.first_point = first_point;
+        run.first_index = index;
+        first_point += run.row_count;
+        index += run.row_count * run.entry_count;
+    }
+}
+
+template <class Real>
+void PointRuns<Real>::write(BasicPatchTable<Real>& table) const {
+    table.point_runs.allocate(runs_.size());
+    std::copy(runs_.begin(), runs_.end(), table.point_runs.begin());
+    table.point_weights.allocate(weights_.size());
+    std::copy(weights_.begin(), weights_.end(), table.point_weights.begin());
+}
+
+template class PointRuns<float>;
+template class PointRuns<double>;
+
 namespace {
 
 /// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of.
@@ -38,25 +82,22 @@ class PointBuilder {
         std::vector<uint32_t> needed;
         for (uint32_t v = 0; v < point_of_child.size(); ++v)
             if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
-        table_.first_refined = needed.empty() ? table_.control_count : (table_.control_count + 63) & ~63u;
+        table_.refined_count = static_cast<uint32_t>(needed.size());
+        table_.first_refined = first_refined_point(table_.control_count, table_.refined_count);
         make_rows(needed);
         group_rows();
         std::vector<uint32_t> cursor, indices(indices_.size());
-        for (const PointRun& run : runs_) cursor.push_back(run.first_point);
+        for (const PointRun& run : runs_.runs()) cursor.push_back(run.first_point);
         for (size_t i = 0; i < needed.size(); ++i) {
-            const PointRun& run = runs_[patterns_[i]];
+            const PointRun& run = runs_.runs()[patterns_[i]];
             const uint32_t point = cursor[patterns_[i]]++;
             point_of_child[needed[i]] = point;
             std::copy_n(indices_.begin() + static_cast<ptrdiff_t>(offsets_[i]), run.entry_count,
                         indices.begin() + run.first_index +
                             static_cast<ptrdiff_t>(point - run.first_point) * run.entry_count);
         }
-        table_.refined_count = static_cast<uint32_t>(needed.size());
         table_.point_indices = pack_indices(indices, table_.control_count);
-        table_.point_runs.allocate(runs_.size());
-        std::copy(runs_.begin(), runs_.end(), table_.point_runs.begin());
-        table_.point_weights.allocate(run_weights_.size());
-        std::copy(run_weights_.begin(), run_weights_.end(), table_.point_weights.begin());
+        runs_.write(table_);
     }
 
   private:
@@ -105,36 +146,10 @@ class PointBuilder {
     }
 
     void group_rows() {
-        std::unordered_multimap<uint64_t, uint32_t> runs_by_hash;
-        for (size_t i = 0; i + 1 < offsets_.size(); ++i) {
-            const Real* weights = weights_.data() + offsets_[i];
-            const auto count = static_cast<uint32_t>(offsets_[i + 1] - offsets_[i]);
-            uint64_t hash = count;
-            for (uint32_t k = 0; k < count; ++k) {
-                const auto w = static_cast<double>(weights[k]);
-                hash = (hash ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15 ^ hash >> 29;
-            }
-            const auto [begin, end] = runs_by_hash.equal_range(hash);
-            auto at = std::find_if(begin, end, [&](const auto& entry) {
-                const PointRun& run = runs_[entry.second];
-                return run.entry_count == count &&
-                       std::equal(weights, weights + count, run_weights_.begin() + run.first_weight);
-            });
-            if (at == end) {
-                at = runs_by_hash.emplace(hash, static_cast<uint32_t>(runs_.size()));
-                runs_.push_back({0, 0, count, 0, static_cast<uint32_t>(run_weights_.size())});
-                run_weights_.insert(run_weights_.end(), weights, weights + count);
-            }
-            ++runs_[at->second].row_count;
-            patterns_.push_back(at->second);
-        }
-        uint32_t point = table_.first_refined, index = 0;
-        for (PointRun& run : runs_) {
-            run.first_point = point;
-            run.first_index = index;
-            point += run.row_count;
-            index += run.row_count * run.entry_count;
-        }
+        for (size_t i = 0; i + 1 < offsets_.size(); ++i)
+            patterns_.push_back(
+                runs_.add(weights_.data() + offsets_[i], static_cast<uint32_t>(offsets_[i + 1] - offsets_[i]), 1));
+        runs_.place(table_.first_refined);
     }
 
     const Topology& base_;
@@ -143,8 +158,8 @@ class PointBuilder {
     BasicPatchTable<Real>& table_;
     std::vector<size_t> offsets_;
     std::vector<uint32_t> indices_, patterns_;
-    std::vector<Real> weights_, run_weights_;
-    std::vector<PointRun> runs_;
+    std::vector<Real> weights_;
+    PointRuns<Real> runs_;
 };
 
 }  // namespace
