@@ -70,11 +70,9 @@ struct Crowd {
 /// All shapes, in one crowd for each choice of options.
 std::vector<Crowd> all_crowds(const PlanCache* cache = &shared_plans()) {
     std::vector<Crowd> crowds;
-    for (const TestMesh& shape : all_shapes()) {
-        auto at = std::find_if(crowds.begin(), crowds.end(),
-                               [&](const Crowd& crowd) { return crowd.shapes[0].options == shape.options; });
-        if (at == crowds.end()) at = crowds.emplace(crowds.end());
-        at->add(shape, cache);
+    for (const std::vector<TestMesh>& shapes : shapes_by_options()) {
+        crowds.emplace_back();
+        for (const TestMesh& shape : shapes) crowds.back().add(shape, cache);
     }
     return crowds;
 }
@@ -235,8 +233,7 @@ TEST(Batch, IsAsLargeAsOneMeshOfAll) {
     Crowd crowd;
     TestMesh whole = make_globe(5, 2);
     crowd.add(whole);
-    for (const TestMesh& part :
-         {make_prism(5), make_cube(), make_globe(7, 3), make_messy_torus(8, 8, 3)}) {
+    for (const TestMesh& part : {make_prism(5), make_cube(), make_globe(7, 3), make_messy_torus(8, 8, 3)}) {
         crowd.add(part);
         append(whole, part);
     }
