@@ -176,8 +176,8 @@ Result<void> PatchMerger<Real>::copy_plans() {
     to.plans.allocate(plans.size());
     to.plan_identities.allocate(plans.size());
     for (uint32_t i = 0; i < plans.size(); ++i) {
-        const auto& [mesh, p] = plans[i];
-        const BasicPatchTable<Real>& from = *tables[mesh];
+        const uint32_t p = plans[i].plan;
+        const BasicPatchTable<Real>& from = *tables[plans[i].mesh];
         Plan plan = from.plans[p];
         const auto place = [&](uint32_t Plan::*first, size_t size, Numbers& numbers) {
             plan.*first = numbers.take(end_of(from, p, first, size) - plan.*first).first;
@@ -200,7 +200,7 @@ Result<void> PatchMerger<Real>::copy_plans() {
 
 template <class Real>
 void PatchMerger<Real>::copy_plan(uint32_t number) {
-    const auto& [mesh, p] = plans[number];
+    const uint32_t mesh = plans[number].mesh, p = plans[number].plan;
     const BasicPatchTable<Real>& from = *tables[mesh];
     const Plan& plan = from.plans[p];
     const Plan& copy = out.table.plans[number];
