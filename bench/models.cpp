@@ -34,16 +34,22 @@ struct Torus {
     }
 };
 
-/// Every 13th quad gets a smaller one inside, whose corners have valence 3, which makes its own corners
-/// valence 5.
-Model make_creased_torus(const Torus& torus) {
+/// A closed chain around the tube.
+struct Chain {
+    uint32_t column;
+    float sharpness;
+};
+
+/// Some quads get a smaller one inside, whose corners have valence 3, which makes their own corners valence 5.
+template <class HasInset>
+Model make_creased_torus(const Torus& torus, const HasInset& has_inset, const std::vector<Chain>& chains) {
     Model model;
     torus.add_vertices(model);
     for (uint32_t i = 0; i < torus.around; ++i)
         for (uint32_t j = 0; j < torus.across; ++j) {
             const uint32_t outer[] = {torus.vertex(i, j), torus.vertex(i + 1, j), torus.vertex(i + 1, j + 1),
                                       torus.vertex(i, j + 1)};
-            if ((i * torus.across + j) % 13 != 0) {
+            if (!has_inset(i * torus.across + j)) {
                 add_face(model, {outer[0], outer[1], outer[2], outer[3]});
                 continue;
             }
@@ -63,15 +69,21 @@ Model make_creased_torus(const Torus& torus) {
             for (uint32_t c = 0; c < 4; ++c)
                 add_face(model, {outer[c], outer[(c + 1) % 4], inner[(c + 1) % 4], inner[c]});
         }
-    // Closed chains around the tube: semi-sharp, beyond the level that is measured, and infinite.
-    const float sharpness[] = {1.5f, 2.5f, 6.0f, kInfiniteSharpness};
-    for (uint32_t chain = 0; chain < 4; ++chain) {
-        const uint32_t i = chain * torus.around / 4;
-        for (uint32_t j = 0; j <= torus.across; ++j) model.crease_vertices.push_back(torus.vertex(i, j));
+    for (const Chain& chain : chains) {
+        for (uint32_t j = 0; j <= torus.across; ++j)
+            model.crease_vertices.push_back(torus.vertex(chain.column, j));
         model.crease_sizes.push_back(torus.across + 1);
-        model.crease_sharpness.push_back(sharpness[chain]);
+        model.crease_sharpness.push_back(chain.sharpness);
     }
     return model;
+}
+
+/// Every 13th quad is another one; four chains: semi-sharp, beyond the level that is measured, and infinite.
+Model make_creased_torus(const Torus& torus) {
+    const float sharpness[] = {1.5f, 2.5f, 6.0f, kInfiniteSharpness};
+    std::vector<Chain> chains;
+    for (uint32_t c = 0; c < 4; ++c) chains.push_back({c * torus.around / 4, sharpness[c]});
+    return make_creased_torus(torus, [](uint32_t cell) { return cell % 13 == 0; }, chains);
 }
 
 /// A quad, or two triangles instead.
@@ -194,6 +206,17 @@ std::vector<BenchModel> load_models(const Options& options) {
     models.push_back(finish(options, "torus_9k", make_creased_torus({120, 58})));
     models.push_back(finish(options, "messy_6k", make_messy_torus({84, 64})));
     return models;
+}
+
+BenchModel make_random_torus(uint32_t around, uint32_t across, uint64_t seed) {
+    const float sharpness[] = {1, 1.5f, 2, 2.5f, 3, 4, 6, kInfiniteSharpness};
+    const auto random = [&](uint64_t i) { return noise((seed << 32) + i); };
+    std::vector<Chain> chains;
+    for (uint32_t i = 0; i + 8 <= around; i += 8)
+        chains.push_back({i + static_cast<uint32_t>(8 * random(2 * i)),
+                          sharpness[static_cast<uint32_t>(8 * random(2 * i + 1))]});
+    const auto has_inset = [&](uint32_t cell) { return 13 * random(cell + 1'000'000) < 1; };
+    return finish({}, "torus", make_creased_torus({around, across}, has_inset, chains));
 }
 
 BenchModel make_million_quads() {

@@ -23,6 +23,10 @@ struct BenchModel {
 /// cannot be read.
 std::vector<BenchModel> load_models(const Options& options);
 
+/// A torus like those of load_models, about 1.3 * around * across faces, with creases and extraordinary vertices where the
+/// seed says: as dense however large it is.
+BenchModel make_random_torus(uint32_t around, uint32_t across, uint64_t seed);
+
 /// A plane of 1000 x 1000 quads, a little uneven.
 BenchModel make_million_quads();
 

@@ -75,6 +75,7 @@ struct PlanCopy {
         if (weights > kInvalidIndex || points > kInvalidIndex || order.size() >= shared::kMaxPlans)
             return Error{ErrorCode::too_large, "plans hold 2^32 weights or more"};
         table.plans.allocate(order.size());
+        table.plan_identities.allocate(order.size());
         table.plan_weights.allocate(weights);
         table.plan_nodes.allocate(nodes);
         table.plan_points.allocate(points);
@@ -82,6 +83,7 @@ struct PlanCopy {
         for (size_t i = 0; i < order.size(); ++i) {
             const BuiltPlan& plan = *order[i];
             table.plans[i] = {plan.ring_size, plan.row_count, weight, node, point, plan.has_corner_rows};
+            table.plan_identities[i] = plan.identity;
             weight += static_cast<uint32_t>(plan.weights.size());
             node += static_cast<uint32_t>(plan.nodes.size());
             point += static_cast<uint32_t>(plan.points.size());

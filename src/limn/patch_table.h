@@ -6,6 +6,7 @@
 // splitting first is what makes plans few and small).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -83,6 +84,11 @@ struct Surface {
     uint32_t rotation() const { return shared::surface_rotation(word); }  ///< the corner that is the plan's 0
 };
 
+/// Equal where plans are, in all tables: a hash of all that a plan is made from. So tables can be merged (batch.h)
+/// without a look at the plans themselves, which take up far more. Plans built twice, not by way of one cache,
+/// may differ by the rounding of sums in double.
+using PlanIdentity = std::array<uint64_t, 2>;
+
 /// Indices of points: 32 bits each or, where all fit, 16, two in a word.
 struct IndexList {
     Array<uint32_t> words;
@@ -119,7 +125,9 @@ struct BasicPatchTable {
     Array<Real> point_weights;
     Array<Surface> surfaces;
     IndexList ring_points;
+    /// Nodes, points and weights of plans follow each other as plans do.
     Array<Plan> plans;
+    Array<PlanIdentity> plan_identities;  ///< one per plan; not needed to evaluate
     Array<PlanNode> plan_nodes;
     Array<uint32_t> plan_points;
     Array<Real> plan_weights;
@@ -130,7 +138,8 @@ struct BasicPatchTable {
 
     uint32_t point_count() const { return first_refined + refined_count; }
     uint64_t plan_bytes() const {
-        return plans.bytes() + plan_nodes.bytes() + plan_points.bytes() + plan_weights.bytes();
+        return plans.bytes() + plan_identities.bytes() + plan_nodes.bytes() + plan_points.bytes() +
+               plan_weights.bytes();
     }
     uint64_t bytes() const {
         return point_runs.bytes() + point_indices.words.bytes() + point_weights.bytes() + surfaces.bytes() +

@@ -15,6 +15,7 @@ namespace limn {
 /// A plan on its own; Plan in patch_table.h tells what the arrays hold. Nodes of kind `plan` name an entry of
 /// `references`.
 struct BuiltPlan {
+    PlanIdentity identity = {};
     uint32_t ring_size = 0;
     uint32_t row_count = 0;
     bool has_corner_rows = false;

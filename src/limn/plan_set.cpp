@@ -41,6 +41,7 @@ Result<void> PlanSet::build() {
                 references.push_back(find_or_request(r.key, [&] { return std::move(*r.request); }));
             Entry& entry = entries_[batch[i].number];
             entry.built = std::move(built[i].plan);
+            entry.built->identity = hash_signature(*entry.key);
             entry.plan = entry.built.get();
             entry.references = std::move(references);
         }

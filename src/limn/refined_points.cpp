@@ -31,6 +31,58 @@ IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound) {
 
 namespace {
 
+template <class Real>
+uint64_t hash_weights(std::span<const Real> weights) {
+    uint64_t hash = weights.size();
+    for (const Real w : weights)
+        hash = (hash ^ std::bit_cast<uint64_t>(static_cast<double>(w))) * 0x9e3779b97f4a7c15 ^ hash >> 29;
+    return hash;
+}
+
+}  // namespace
+
+template <class Real>
+uint32_t PointRuns<Real>::add(const Real* weights, uint32_t entry_count, uint32_t row_count) {
+    const uint64_t hash = hash_weights<Real>({weights, entry_count});
+    const auto [begin, end] = runs_by_hash_.equal_range(hash);
+    auto at = std::find_if(begin, end, [&](const auto& entry) {
+        const PointRun& run = runs_[entry.second];
+        return run.entry_count == entry_count &&
+               std::equal(weights, weights + entry_count, weights_.begin() + run.first_weight);
+    });
+    if (at == end) {
+        at = runs_by_hash_.emplace(hash, static_cast<uint32_t>(runs_.size()));
+        runs_.push_back({0, 0, entry_count, 0, static_cast<uint32_t>(weights_.size())});
+        weights_.insert(weights_.end(), weights, weights + entry_count);
+    }
+    runs_[at->second].row_count += row_count;
+    return at->second;
+}
+
+template <class Real>
+void PointRuns<Real>::place(uint32_t first_point) {
+    uint32_t index = 0;
+    for (PointRun& run : runs_) {
+        run.first_point = first_point;
+        run.first_index = index;
+        first_point += run.row_count;
+        index += run.row_count * run.entry_count;
+    }
+}
+
+template <class Real>
+void PointRuns<Real>::write(BasicPatchTable<Real>& table) const {
+    table.point_runs.allocate(runs_.size());
+    std::copy(runs_.begin(), runs_.end(), table.point_runs.begin());
+    table.point_weights.allocate(weights_.size());
+    std::copy(weights_.begin(), weights_.end(), table.point_weights.begin());
+}
+
+template class PointRuns<float>;
+template class PointRuns<double>;
+
+namespace {
+
 /// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of. Each
 /// chunk of rows finds the patterns of weights that it meets; then the chunks' patterns become runs.
 template <class Real>
@@ -45,8 +97,8 @@ class PointBuilder {
         std::vector<uint32_t> needed;
         for (uint32_t v = 0; v < point_of_child.size(); ++v)
             if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
-        table_.first_refined = needed.empty() ? table_.control_count : (table_.control_count + 63) & ~63u;
         table_.refined_count = static_cast<uint32_t>(needed.size());
+        table_.first_refined = first_refined_point(table_.control_count, table_.refined_count);
         std::vector<Chunk> chunks((needed.size() + kChunkSize - 1) / kChunkSize);
         auto of_chunk = [&](uint32_t n) {
             const size_t begin = n * kChunkSize;
@@ -90,7 +142,7 @@ class PointBuilder {
             row.clear();
             refinement_row(base_, child, rules, row);
             append(row, chunk.indices, weights);
-            const uint64_t hash = hash_weights(weights);
+            const uint64_t hash = hash_weights<Real>(weights);
             const auto [begin, end] = patterns_by_hash.equal_range(hash);
             auto at = std::find_if(begin, end, [&](const auto& entry) {
                 return has_weights(chunk, chunk.patterns[entry.second], weights);
@@ -122,12 +174,6 @@ class PointBuilder {
         }
     }
 
-    static uint64_t hash_weights(std::span<const Real> weights) {
-        uint64_t hash = weights.size();
-        for (const Real w : weights)
-            hash = (hash ^ std::bit_cast<uint64_t>(static_cast<double>(w))) * 0x9e3779b97f4a7c15 ^ hash >> 29;
-        return hash;
-    }
     static std::span<const Real> weights_of(const Chunk& chunk, const Pattern& pattern) {
         return std::span(chunk.weights).subspan(pattern.first_weight, pattern.entry_count);
     }
@@ -137,40 +183,17 @@ class PointBuilder {
 
     /// Runs in the order in which rows need them. Returns how many indices they have.
     size_t make_runs(std::vector<Chunk>& chunks) {
-        std::unordered_multimap<uint64_t, uint32_t> runs_by_hash;
-        std::vector<PointRun> runs;
-        std::vector<Real> run_weights;
+        PointRuns<Real> runs;
+        size_t index_count = 0;
         for (Chunk& chunk : chunks)
             for (Pattern& pattern : chunk.patterns) {
-                const std::span<const Real> weights = weights_of(chunk, pattern);
-                const auto [begin, end] = runs_by_hash.equal_range(pattern.hash);
-                auto at = std::find_if(begin, end, [&](const auto& entry) {
-                    const PointRun& run = runs[entry.second];
-                    return run.entry_count == pattern.entry_count &&
-                           std::equal(weights.begin(), weights.end(), run_weights.begin() + run.first_weight);
-                });
-                if (at == end) {
-                    at = runs_by_hash.emplace(pattern.hash, static_cast<uint32_t>(runs.size()));
-                    runs.push_back({0, 0, pattern.entry_count, 0, static_cast<uint32_t>(run_weights.size())});
-                    run_weights.insert(run_weights.end(), weights.begin(), weights.end());
-                }
-                pattern.run = at->second;
-                pattern.next_row = runs[pattern.run].row_count;
-                runs[pattern.run].row_count += pattern.row_count;
+                pattern.run = runs.add(weights_of(chunk, pattern).data(), pattern.entry_count, pattern.row_count);
+                pattern.next_row = runs.runs()[pattern.run].row_count - pattern.row_count;
+                index_count += size_t{pattern.row_count} * pattern.entry_count;
             }
-        uint32_t point = table_.first_refined;
-        size_t index = 0;
-        for (PointRun& run : runs) {
-            run.first_point = point;
-            run.first_index = static_cast<uint32_t>(index);
-            point += run.row_count;
-            index += size_t{run.row_count} * run.entry_count;
-        }
-        table_.point_runs.allocate(runs.size());
-        std::copy(runs.begin(), runs.end(), table_.point_runs.begin());
-        table_.point_weights.allocate(run_weights.size());
-        std::copy(run_weights.begin(), run_weights.end(), table_.point_weights.begin());
-        return index;
+        runs.place(table_.first_refined);
+        runs.write(table_);
+        return index_count;
     }
 
     void place_rows(std::span<const uint32_t> children, Chunk& chunk, std::vector<uint32_t>& point_of_child,

@@ -44,6 +44,8 @@ struct SchemeOptions {
     /// extrapolate, smooth limits at infinitely sharp darts, cross tangents at irregular boundaries and
     /// creases.
     bool opensubdiv_compatible = false;
+
+    bool operator==(const SchemeOptions&) const = default;
 };
 
 /// Sharpness of edges and vertices is 0 (smooth) to 10 (infinite).

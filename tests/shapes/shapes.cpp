@@ -209,6 +209,17 @@ std::vector<TestMesh> all_shapes() {
     return result;
 }
 
+std::vector<std::vector<TestMesh>> shapes_by_options() {
+    std::vector<std::vector<TestMesh>> result;
+    for (const TestMesh& shape : all_shapes()) {
+        auto at = std::find_if(result.begin(), result.end(),
+                               [&](const auto& alike) { return alike[0].options == shape.options; });
+        if (at == result.end()) at = result.emplace(result.end());
+        at->push_back(shape);
+    }
+    return result;
+}
+
 std::vector<TestMesh> shapes_of(Scheme scheme) {
     std::vector<TestMesh> result = all_shapes();
     std::erase_if(result, [&](const TestMesh& mesh) { return mesh.options.scheme != scheme; });

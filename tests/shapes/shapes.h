@@ -103,6 +103,8 @@ std::vector<uint32_t> append(TestMesh& mesh, const TestMesh& other,
 // Every shape of the suite; names are unique and hold letters, digits and underscores only.
 std::vector<TestMesh> all_shapes();
 std::vector<TestMesh> shapes_of(Scheme scheme);
+// All of them, those with equal options together.
+std::vector<std::vector<TestMesh>> shapes_by_options();
 
 // The parts that all_shapes() is made of.
 std::vector<TestMesh> bilinear_shapes();

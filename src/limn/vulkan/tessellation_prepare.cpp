@@ -322,9 +322,12 @@ Result<void> TessellationPreparation::add_output(const VertexOutput& output, Sta
 Result<void> TessellationPreparation::add_copies(const PointBuffer& positions, Stage& stage) {
     const uint32_t corners = table().corner_copy_count, rows = table().row_copy_count;
     if (corners + rows == 0 || info.vertex_capacity == 0) return {};
+    // Corners and rows come first, and nothing within faces is copied: all that must be bound at once.
+    const uint64_t vertices = std::min<uint64_t>(
+        info.vertex_capacity, table().corner_count + uint64_t{table().row_count} * table().max_rate);
     uint32_t base = 0;
     const BoundBuffer bound = write(positions.buffer, positions.offset_bytes + 4 * positions.first,
-                                    4 * ((uint64_t{info.vertex_capacity} - 1) * positions.stride + 3), base);
+                                    4 * ((vertices - 1) * positions.stride + 3), base);
     auto set = add_set(local(0), local(0), bound, bound);
     if (!set) return set.error();
     TessParams p = params(table().vertices.offsets);
