@@ -85,7 +85,7 @@ void store(uint t, uint placement, uint out_sample, Sums sums) {
     const uint s = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1] * params.samples_per_face + out_sample;
     const uint value_at = params.value_base + s * params.value_stride;
     const uint second_at = params.second_base + s * params.second_stride;
-    const vec4 value = sums.values[0] + sums.origin;
+    const vec4 value = sums.values[0] + (kOutput != kGridOutputRelative || out_sample == 0 ? sums.origin : vec4(0));
     vec3 n;
     if (kOutput == kGridOutputNormal) n = normal_of(sums.values[1].xyz, sums.values[2].xyz, sums.otherwise);
     if (kPaired != 0) {

@@ -3,6 +3,7 @@
 
 #include "limn/grid_table.h"
 #include "limn/patch_table.h"
+#include "limn/patch_tree.h"
 #include "limn/shared/patch_eval_params.h"
 #include "limn/vulkan/device_tables.h"
 
@@ -45,6 +46,7 @@ struct DeviceGridTable {
     uint32_t ptex_count = 0;
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
+    bool relative = false;
     std::vector<GridBatch> batches;
     uint64_t total_sample_count = 0;
     Buffer words;
@@ -52,6 +54,16 @@ struct DeviceGridTable {
 
     uint64_t sample_count() const { return total_sample_count; }
     VkDeviceSize bytes() const { return words.size_bytes + weights.size_bytes; }
+};
+
+/// A patch tree table: where its words are, and what makes its local points.
+struct DevicePatchTrees {
+    shared::TreeOffsets offsets = {};
+    uint32_t local_count = 0;
+    DeviceGridTable local_points;
+    Buffer words;  ///< none in a tessellation table, whose own words hold them
+
+    VkDeviceSize bytes() const { return words.size_bytes + local_points.bytes(); }
 };
 
 /// A table whose upload has been recorded, and the staging memory it is read from: keep that until the
@@ -64,6 +76,10 @@ struct GridTableUpload {
     DeviceGridTable table;
     std::vector<Buffer> staging;
 };
+struct PatchTreesUpload {
+    DevicePatchTrees table;
+    std::vector<Buffer> staging;
+};
 
 /// Record the upload into the caller's command buffer, barrier to kernel reads included.
 /// Errors: out_of_memory, too_large (2^32 words), vulkan_failure.
@@ -71,9 +87,12 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
                                                    const PatchTable& table);
 Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                  const GridTable& table);
+Result<PatchTreesUpload> record_patch_trees_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                   const PatchTreeTable& table);
 
 /// The same, submitted to Device::queue and waited for.
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table);
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table);
+Result<DevicePatchTrees> upload_patch_trees(const Device& device, const PatchTreeTable& table);
 
 }  // namespace limn::vk
