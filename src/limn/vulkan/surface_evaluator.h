@@ -47,7 +47,7 @@ struct LocalPointsInfo {
     const DevicePatchTrees* trees = nullptr;  ///< of the same patch table, with PatchTreeOptions::relative
     uint32_t width = 3;                       ///< 1 to 4
     PointBuffer points = {};                  ///< patches->point_count points; kSourceUsage
-    VkBuffer local_points = VK_NULL_HANDLE;   ///< 16 bytes for each of trees->local_count; kSourceUsage
+    VkBuffer local_points = VK_NULL_HANDLE;   ///< 16 bytes for each of trees->local_count, and 16 at least; kSourceUsage
 };
 
 /// Value k (evaluate.h: value, du, dv, duu, duv, dvv), component i of sample s is float k * width + i of
