@@ -17,11 +17,14 @@ struct Frame {
     const vk::Device& device;
     vk::DevicePatchTable patches;
     vk::DeviceGridTable grid;  ///< of grids only
+    vk::DevicePatchTrees trees;
+    vk::Buffer local;  ///< local points of trees, if there are any
     vk::Buffer points;         ///< control points, then those of level 1
     vk::Buffer samples;        ///< of lists only
     vk::Buffer values;
     vk::Buffer normals;  ///< only where they are not among the values
     std::optional<vk::StencilEvaluation> refined;
+    std::optional<vk::SurfaceEvaluation> local_points;
     std::optional<vk::SurfaceEvaluation> surface;
     Timestamps timestamps;
     std::optional<vk::Commands> commands;
@@ -69,6 +72,10 @@ Result<PatchCandidate> make_candidate(const LimnDevice& limn, const std::shared_
     frame->timestamps.record_begin(*commands);
     frame->refined->record(*commands);
     vk::record_barrier(limn.device, *commands, vk::kKernelWrites, vk::kKernelReads);
+    if (frame->local_points) {
+        frame->local_points->record(*commands);
+        vk::record_barrier(limn.device, *commands, vk::kKernelWrites, vk::kKernelReads);
+    }
     frame->surface->record(*commands);
     vk::record_barrier(limn.device, *commands, vk::kKernelWrites, vk::kCopyReads);
     frame->timestamps.record_end(*commands);
@@ -113,6 +120,21 @@ std::vector<float> download_grid(const Frame& frame, const vk::Buffer& buffer, u
     return values;
 }
 
+Result<void> prepare_local_points(const LimnDevice& limn, const PatchTreeTable& trees, Frame& frame) {
+    auto uploaded = vk::upload_patch_trees(limn.device, trees);
+    if (!uploaded) return uploaded.error();
+    frame.trees = std::move(*uploaded);
+    if (auto created = create_floats(limn.device, uint64_t{4} * trees.local_count(), frame.local); !created)
+        return created.error();
+    auto points = limn.evaluator.prepare_local_points({.patches = &frame.patches,
+                                                       .trees = &frame.trees,
+                                                       .points = frame.bound_points(),
+                                                       .local_points = frame.local.handle});
+    if (!points) return points.error();
+    frame.local_points.emplace(std::move(*points));
+    return {};
+}
+
 Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, GridLayout layout) {
     const uint64_t count = frame.grid.sample_count();
     const bool separate = layout == GridLayout::separate;
@@ -138,7 +160,7 @@ Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, GridLayout layou
 }  // namespace
 
 Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, const PatchTable& table,
-                                                      std::span<const PatchSample> samples,
+                                                      const PatchTreeTable* trees, std::span<const PatchSample> samples,
                                                       const std::vector<float>& positions) {
     const auto made = make_frame(limn, table, positions);
     if (!made) return made.error();
@@ -152,18 +174,27 @@ Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, co
         return created.error();
     if (auto done = vk::upload_bytes(limn.device, frame->samples, 0, std::as_bytes(std::span(words))); !done)
         return done.error();
+    if (trees != nullptr)
+        if (auto prepared = prepare_local_points(limn, *trees, *frame); !prepared) return prepared.error();
     auto surface = limn.evaluator.prepare_samples(
         {.patches = &frame->patches,
          .derivatives = Derivatives::first,
          .points = frame->bound_points(),
          .samples = {.buffer = frame->samples.handle, .count = static_cast<uint32_t>(count)},
-         .results = {.buffer = frame->values.handle, .stride = kRecord}});
+         .results = {.buffer = frame->values.handle, .stride = kRecord},
+         .trees = trees != nullptr ? &frame->trees : nullptr,
+         .local_points = frame->local.handle});
     if (!surface) return surface.error();
     frame->surface.emplace(std::move(*surface));
 
-    auto candidate = make_candidate(limn, frame, "limn", count);
+    auto candidate = make_candidate(limn, frame, trees == nullptr ? "limn" : "limn_trees", count);
     if (!candidate) return candidate;
     candidate->bytes += frame->samples.size_bytes + frame->values.size_bytes;
+    if (trees != nullptr) {
+        candidate->bytes += frame->trees.bytes() + uint64_t{2} * frame->local.size_bytes;
+        candidate->dispatch_count += frame->local_points->dispatch_count();
+        candidate->note += ", " + megabytes(trees->bytes()) + " trees, " + std::to_string(trees->local_count()) + " local points";
+    }
     candidate->values = [frame, count] {
         const auto all = vk::download<float>(frame->device, frame->values, kRecord * count);
         if (!all) return PatchValues{};

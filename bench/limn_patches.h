@@ -18,9 +18,10 @@ struct LimnDevice {
     double copy_rate;  ///< bytes per second of a plain copy
 };
 
-/// Position, du and dv at each sample. A frame is one submission: level-1 points, then samples.
+/// Position, du and dv at each sample. A frame is one submission: level-1 points, then local points if there are trees,
+/// then samples. `trees` is null or outlives the call.
 Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, const PatchTable& table,
-                                                      std::span<const PatchSample> samples,
+                                                      const PatchTreeTable* trees, std::span<const PatchSample> samples,
                                                       const std::vector<float>& positions);
 
 /// The same by evaluate_patches: on all cores of the host, in double. `table` and `samples` must outlive the

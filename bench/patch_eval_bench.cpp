@@ -17,7 +17,10 @@ void bench_model(const Options& options, const Machines& machines, const LimnDev
                      random_samples(truth, options.quick ? 200'000 : 1'000'000));
     const auto table = value_or_fail(options, build_patch_table<float>(model.mesh, {}));
     bench.run(value_or_fail(options,
-                            make_limn_patch_eval_candidate(limn, table, bench.samples(), model.positions)));
+                            make_limn_patch_eval_candidate(limn, table, nullptr, bench.samples(), model.positions)));
+    const auto trees = value_or_fail(options, build_patch_trees(table, {.max_rate = 16, .relative = true}));
+    bench.run(value_or_fail(options,
+                            make_limn_patch_eval_candidate(limn, table, &trees, bench.samples(), model.positions)));
     bench.run(make_limn_host_patch_eval_candidate(table, bench.samples(), model.positions,
                                                   machines.copy.host_all_cores));
     bench.run_osd(machines);

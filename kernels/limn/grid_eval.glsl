@@ -120,9 +120,10 @@ void main() {
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         const uint placement = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 2];
         const uint face = tile_words[kGridTileHeader + kGridTileSurfaceWords * t + 1];
-        const uint s = sample_of(face, TILE_WORD(placement + kGridPlacementHeader + sample_index));
+        const uint word = TILE_WORD(placement + kGridPlacementHeader + sample_index), s = sample_of(face, word);
         if (!inside || t >= surface_count || s == kGridNoSample) continue;
         const float scale = unit_scale(max(abs(sums[t].values[1].xyz), abs(sums[t].values[2].xyz)));
-        store_sample(s, placement, sums[t].values[0] + sums[t].origin, sums[t].values[1], sums[t].values[2], sums[t].otherwise, scale);
+        const vec4 origin = kOutput != kGridOutputRelative || word == 0 ? sums[t].origin : vec4(0);
+        store_sample(s, placement, sums[t].values[0] + origin, sums[t].values[1], sums[t].values[2], sums[t].otherwise, scale);
     }
 }

@@ -1,17 +1,11 @@
 // The body of the patch_eval kernels. Before it: WORD(i), SAMPLE(i), uints; WEIGHTS(i), a vec4; POINT(i), a float.
 
-layout(local_size_x = kPatchWorkgroupSize) in;
-layout(constant_id = kPatchWidthConstant) const uint kWidth = 3;
-layout(constant_id = kPatchValueCountConstant) const uint kValueCount = 3;
+layout(std430, push_constant) uniform Push { PatchEvalParams params; };
 layout(constant_id = kPatchNarrowConstant) const uint kNarrow = 0;
-layout(constant_id = kPatchTrianglesConstant) const uint kTriangles = 0;
 layout(constant_id = kPatchMaxRingConstant) const uint kMaxRing = 24;
 layout(constant_id = kPatchEndCapConstant) const uint kEndCap = kEndCapExact;
-
-layout(std430, push_constant) uniform Push { PatchEvalParams params; };
-layout(std430, binding = kPatchResultsBinding) writeonly buffer Results { float results[]; };
-layout(std430, binding = kPatchResultsBinding) writeonly buffer ResultWords { uint result_words[]; };
-layout(std430, binding = kPatchStatusesBinding) writeonly buffer Statuses { uint statuses[]; };
+layout(constant_id = kPatchDeferredConstant) const uint kDeferred = 0;
+#include "limn/patch_sample.glsl"
 
 // The ring of the plan that evaluation has got to: points of the surface or, behind references, deep_ring.
 vec4 deep_ring[kMaxRing];
@@ -149,32 +143,24 @@ Place evaluate(uint plan_index, PatchLocation at, out vec4 sums[6]) {
     }
     const Place place = Place(plan_index, node, at);
     sums[0] += origin;
-    const vec4 u = sums[1], v = sums[2], uu = sums[3], uv = sums[4], vv = sums[5];
-    sums[1] = u * at.uu + v * at.vu;
-    sums[2] = u * at.uv + v * at.vv;
-    sums[3] = uu * (at.uu * at.uu) + uv * (2 * at.uu * at.vu) + vv * (at.vu * at.vu);
-    sums[4] = uu * (at.uu * at.uv) + uv * (at.uu * at.vv + at.uv * at.vu) + vv * (at.vu * at.vv);
-    sums[5] = uu * (at.uv * at.uv) + uv * (2 * at.uv * at.vv) + vv * (at.vv * at.vv);
+    turn_derivatives(at, sums);
     return place;
 }
 
 void main() {
-    const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    const uint s = group * kPatchWorkgroupSize + gl_LocalInvocationID.x;
-    if (s >= params.sample_count) return;
-    const uint sample_at = params.first_sample + 3 * s;
-    const uint face = SAMPLE(sample_at);
-    const float u = uintBitsToFloat(SAMPLE(sample_at + 1)), v = uintBitsToFloat(SAMPLE(sample_at + 2));
+    uint s = global_invocation();
+    if (s >= (kDeferred != 0 ? deferred[kDeferredCount] : params.list.sample_count)) return;
+    if (kDeferred != 0) s = deferred[kDeferredHeader + s];
+    const ListedSample listed = read_sample(s);
     uint status = kSampleOutOfRange, surface = 0;
-    // A float sum may exceed 1 on the third side of a triangle.
-    if (face < params.ptex_count && u >= 0 && u <= 1 && v >= 0 && v <= 1 && (kTriangles == 0 || u + v <= 1.000001)) {
-        surface = WORD(params.table.ptex_surfaces + face);
+    if (is_in_range(listed)) {
+        surface = WORD(params.table.ptex_surfaces + listed.face);
         status = surface == kPtexHole ? kSampleHole : kSampleValid;
     }
     vec4 sums[6] = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
     uint words_of_place[5] = uint[5](0, 0, 0, 0, 0);
     if (status == kSampleValid) {
-        PatchLocation at = make_location(u, v);
+        PatchLocation at = make_location(listed.u, listed.v);
         if ((surface & kPtexSplit) != 0) surface = (surface & ~kPtexSplit) + descend_location(at, kTriangles != 0);
         const uint word = WORD(params.table.surfaces + 2 * surface);
         surface_ring = WORD(params.table.surfaces + 2 * surface + 1);
@@ -182,10 +168,10 @@ void main() {
         const Place place = evaluate(surface_plan(word), at, sums);
         words_of_place = uint[5](surface, place.plan, place.node, floatBitsToUint(place.at.u), floatBitsToUint(place.at.v));
     }
-    const uint result = params.result_base + s * params.result_stride;
-    if (kValueCount == 0)
-        for (uint k = 0; k < 5; ++k) result_words[result + k] = words_of_place[k];
-    for (uint d = 0; d < kValueCount; ++d)
-        for (uint c = 0; c < kWidth; ++c) results[result + d * kWidth + c] = sums[d][c];
-    if (params.status_base != kPatchNoStatus) statuses[params.status_base + s] = status;
+    if (kValueCount == 0) {
+        const uint at = params.list.result_base + s * params.list.result_stride;
+        for (uint k = 0; k < 5; ++k) result_words[at + k] = words_of_place[k];
+    }
+    store_values(s, sums);
+    store_status(s, status);
 }

@@ -55,35 +55,38 @@ void load_second_leaf(Leaf leaf, out vec4 points[16]) {
 }
 
 // Cubic B-splines or, of bilinear leaves, linear functions in the places of the first two.
-void side_basis(uint kind, float t, out float f[4], out float d[4]) {
-    float second[4];
-    cubic_basis(t, f, d, second);
+void side_basis(uint kind, float t, out float f[4], out float d[4], out float dd[4]) {
+    cubic_basis(t, f, d, dd);
     if (kind == kNodeBilinear) {
         f = float[4](1 - t, t, 0, 0);
         d = float[4](-1, 1, 0, 0);
+        dd = float[4](0, 0, 0, 0);
     }
 }
 
-// Value, du and dv by the ptex face's coordinates, summed relative to the first point. Of corners du and dv are tangents,
-// whose lengths mean nothing.
-void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out vec4 dv) {
+// Value, du, dv, duu, duv and dvv by the leaf's coordinates, relative to the first point. Not of corners. What a caller
+// has no use for is left out by the compiler.
+void sum_leaf(Leaf leaf, vec4 points[16], out vec4 sums[6]) {
     const vec4 origin = points[0];
-    vec4 u = vec4(0), v = vec4(0);
-    value = vec4(0);
+    sums = vec4[6](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
     if (kTriangles == 0) {
-        float a[4], da[4], b[4], db[4];
-        side_basis(leaf.kind, leaf.at.u, a, da);
-        side_basis(leaf.kind, leaf.at.v, b, db);
+        float a[4], da[4], dda[4], b[4], db[4], ddb[4];
+        side_basis(leaf.kind, leaf.at.u, a, da, dda);
+        side_basis(leaf.kind, leaf.at.v, b, db, ddb);
         [[unroll]] for (uint j = 0; j < 4; ++j) {
-            vec4 row = vec4(0), row_u = vec4(0);
+            vec4 row = vec4(0), row_u = vec4(0), row_uu = vec4(0);
             [[unroll]] for (uint i = 0; i < 4; ++i) {
                 const vec4 point = points[4 * j + i] - origin;
                 row += a[i] * point;
                 row_u += da[i] * point;
+                row_uu += dda[i] * point;
             }
-            value += b[j] * row;
-            u += b[j] * row_u;
-            v += db[j] * row;
+            sums[0] += b[j] * row;
+            sums[1] += b[j] * row_u;
+            sums[2] += db[j] * row;
+            sums[3] += b[j] * row_uu;
+            sums[4] += db[j] * row_u;
+            sums[5] += ddb[j] * row;
         }
     } else {
         Jet basis[kMaxPatchPoints];
@@ -94,12 +97,23 @@ void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out 
         const uint count = patch_point_count(leaf.kind);
         [[unroll]] for (uint k = 0; k < 12; ++k) {
             const vec4 point = k < count ? points[k] - origin : vec4(0);
-            value += basis[k].f * point;
-            u += basis[k].u * point;
-            v += basis[k].v * point;
+            sums[0] += basis[k].f * point;
+            sums[1] += basis[k].u * point;
+            sums[2] += basis[k].v * point;
+            sums[3] += basis[k].uu * point;
+            sums[4] += basis[k].uv * point;
+            sums[5] += basis[k].vv * point;
         }
     }
-    value += origin;
+}
+
+// Value, du and dv by the ptex face's coordinates. Of corners du and dv are tangents, whose lengths mean nothing.
+void evaluate_leaf(Leaf leaf, vec4 points[16], out vec4 value, out vec4 du, out vec4 dv) {
+    const vec4 origin = points[0];
+    vec4 sums[6];
+    sum_leaf(leaf, points, sums);
+    value = sums[0] + origin;
+    vec4 u = sums[1], v = sums[2];
     if (leaf.kind == kNodeCorner) {
         value = origin;
         u = points[1] - origin;

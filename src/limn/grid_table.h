@@ -68,6 +68,7 @@ struct GridTable {
     uint32_t ptex_count = 0;
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
+    bool relative = false;  ///< as PatchTreeOptions::relative
     std::vector<GridClass> classes;
     std::vector<GridPlacement> placements;
     Array<uint32_t> placement_samples;

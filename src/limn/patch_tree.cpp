@@ -155,9 +155,10 @@ void sort_rows(Tree& tree) {
     for (uint16_t& point : tree.leaf_points) point = place[point];
 }
 
-Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest) {
+Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest, bool relative) {
     Tree tree;
     tree.nodes.resize(1);
+    if (relative) tree.add(Row(table.plans[plan].ring_size, 0.0), false);  // the origin, relative to itself
     Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree};
     Visit visit = grower.enter(plan);
     grower.grow(0, 0, table.plan_nodes[table.plans[plan].first_node], visit, 1, 1);
@@ -290,7 +291,7 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
     for_each_index(
         static_cast<uint32_t>(plans.size()),
-        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest); }, 1);
+        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest, options.relative); }, 1);
     for (const Tree& tree : trees)
         if (tree.rows.size() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
@@ -298,12 +299,14 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     PatchTreeTable out;
     out.options = table.options;
     out.max_rate = options.max_rate;
+    out.relative = options.relative;
     out.tree_count = static_cast<uint32_t>(trees.size());
     const std::vector<uint32_t> roots = join_trees(trees, out);
     if (roots.size() != trees.size()) return Error{ErrorCode::too_large, "patch trees of 2^26 nodes or more"};
     GridTable& grid = out.local_points;
     grid.rate = 0;
     grid.value_count = 1;
+    grid.relative = options.relative;
     grid.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
     grid.samples_per_face = 1;
     grid.faces_per_pass = options.points_per_pass;

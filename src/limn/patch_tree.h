@@ -18,10 +18,11 @@ struct TreeSurface {
 /// Plans refer to each other, so that places of any depth can be had; trees end where no place of a grid of
 /// max_rate intervals can lie but the irregular vertex itself. Node n is the word nodes[n]
 /// (limn/shared/patch_tree_layout.h); leaf l the words [l * kLeafWords, (l + 1) * kLeafWords) of leaf_points.
-/// Places between those grids' come out wrong.
+/// Places between those grids', in leaves of kind kNodeCorner, come out wrong.
 struct PatchTreeTable {
     SchemeOptions options;
     uint32_t max_rate = 0;
+    bool relative = false;
     uint32_t tree_count = 0;
     Array<uint32_t> nodes;
     Array<uint32_t> leaf_points;
@@ -42,6 +43,9 @@ struct PatchTreeOptions {
     uint32_t max_rate = 64;  ///< 2 .. 128: intervals along any side of a ptex face, or of two where it is split
     uint64_t max_weight_bytes = uint64_t{256} << 20;  ///< as GridOptions
     uint32_t points_per_pass = uint32_t{1} << 22;     ///< as GridOptions::samples_per_pass
+    /// For samples: the first local point of each surface is the first of its ring, and all others are relative to it,
+    /// so that second derivatives, and first ones far from the origin, are as exact as without trees. Not for tessellation.
+    bool relative = false;
 };
 
 /// Errors: invalid_argument (max_rate), unsupported (end caps other than exact; a surface of 2^16 local

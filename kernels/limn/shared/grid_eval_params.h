@@ -46,6 +46,7 @@ const uint kGridCornersFirst = 3;     // the first four
 const uint kGridOutputValue = 0;
 const uint kGridOutputNormal = 1;  // width 3
 const uint kGridOutputDerivatives = 2;
+const uint kGridOutputRelative = 3;  // values, relative to the first ring point, but for sample 0, which is that point
 
 const uint kGridTileHeader = 3;
 const uint kGridTileSurfaceWords = 3;

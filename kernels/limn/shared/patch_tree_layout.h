@@ -21,5 +21,14 @@ LIMN_FN uint tree_first(uint word) {
 const uint kLeafPoints = 16;
 const uint kLeafWords = 8;
 
+// Where the arrays of patch_tree.h begin, in words.
+struct TreeOffsets {
+    uint ptex_surfaces;
+    uint surfaces;
+    uint nodes;
+    uint leaf_points;
+};
+LIMN_LAYOUT(TreeOffsets, 16)
+
 LIMN_SHARED_END
 #endif

@@ -4,6 +4,7 @@
 // computed to be, is another, the state, whose sections follow from the counts.
 #ifndef LIMN_SHARED_TESS_PARAMS_H
 #define LIMN_SHARED_TESS_PARAMS_H
+#include "limn/shared/patch_tree_layout.h"
 #include "limn/shared/tess_rate.h"
 LIMN_SHARED_BEGIN
 
@@ -46,14 +47,7 @@ const uint kTessClockwise = 2;
 const uint kTessCullOutside = 1;
 const uint kTessCullBackfaces = 2;
 
-// Where the tables' arrays begin, in words: those of patch trees, of vertices or a channel; and the others.
-struct TreeOffsets {
-    uint ptex_surfaces;
-    uint surfaces;
-    uint nodes;
-    uint leaf_points;
-};
-LIMN_LAYOUT(TreeOffsets, 16)
+// Where the tables' arrays begin, in words, but for those of patch trees, of vertices or a channel.
 struct TessOffsets {
     uint faces;
     uint rows;

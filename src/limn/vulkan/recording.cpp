@@ -115,7 +115,10 @@ void Recording::record(VkCommandBuffer command_buffer, std::span<const Dispatch>
         set = dispatch.set;
         device->functions.CmdPushConstants(command_buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                            push_constant_bytes, dispatch.push_constants.data());
-        device->functions.CmdDispatch(command_buffer, dispatch.groups[0], dispatch.groups[1], 1);
+        if (dispatch.indirect != VK_NULL_HANDLE)
+            device->functions.CmdDispatchIndirect(command_buffer, dispatch.indirect, dispatch.indirect_bytes);
+        else
+            device->functions.CmdDispatch(command_buffer, dispatch.groups[0], dispatch.groups[1], 1);
     }
 }
 

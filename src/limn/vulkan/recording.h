@@ -27,6 +27,8 @@ struct Recording {
         VkDescriptorSet set;
         uint32_t groups[2];
         std::array<uint32_t, 32> push_constants;
+        VkBuffer indirect = VK_NULL_HANDLE;  ///< has the groups, in place of `groups`
+        VkDeviceSize indirect_bytes = 0;     ///< where in it
     };
     const Device* device = nullptr;
     VkPipelineLayout layout = VK_NULL_HANDLE;

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "limn/shared/grid_eval_params.h"
+#include "limn/shared/tree_eval_params.h"
 #include "limn/vulkan/point_buffers.h"
 #include "limn/vulkan/recording.h"
 #include "limn_kernels/grid_eval.h"
@@ -11,14 +12,17 @@
 #include "limn_kernels/grid_rows_texel.h"
 #include "limn_kernels/patch_eval.h"
 #include "limn_kernels/patch_eval_texel.h"
+#include "limn_kernels/tree_eval.h"
+#include "limn_kernels/tree_eval_texel.h"
 
 namespace limn::vk {
 namespace {
 
 using shared::GridEvalParams;
 using shared::PatchEvalParams;
+using shared::TreeEvalParams;
 
-enum KernelName : uint32_t { kGrid, kPatch, kGridRows, kKernelCount };  ///< the last for CPU devices only
+enum KernelName : uint32_t { kGrid, kPatch, kTree, kGridRows, kKernelCount };  ///< the last for CPU devices only
 constexpr uint32_t kMaxInvocations = 128;  // of a workgroup: what every device has
 
 Result<void> check(const DevicePatchTable* patches, uint32_t width, const PointBuffer& points) {
@@ -43,6 +47,9 @@ Result<void> check(const GridEvaluationInfo& info) {
     return {};
 }
 
+constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
+                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
+
 /// A grid, and where its rings are: in a patch table, or in a buffer of their own.
 struct GridJob {
     GridEvaluationInfo info;
@@ -58,7 +65,7 @@ struct Reads {
     bool texel;
 
     BoundBuffer bind(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format) const {
-        const uint64_t element = format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 4;
+        const uint64_t element = format == kGroups || format == kWordGroups ? 16 : 4;
         const uint64_t alignment = std::max<uint64_t>(
             element, texel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment);
         begin -= begin % alignment;
@@ -75,23 +82,46 @@ struct Reads {
     }
 };
 
-constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
-                   kGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
-
 }  // namespace
 
 struct SurfaceEvaluation::State {
     Recording recording;
+    /// Samples that patch trees leave to the general evaluation (patch_eval_params.h), for each window, and where those begin.
+    Buffer deferred;
+    std::vector<VkDeviceSize> deferred_bytes;
+    std::vector<Recording::Dispatch> deferred_dispatches;
+
+    void record_with_deferred(VkCommandBuffer command_buffer) const;
 };
 SurfaceEvaluation::SurfaceEvaluation() : state_(std::make_unique<State>()) {}
 SurfaceEvaluation::SurfaceEvaluation(SurfaceEvaluation&&) noexcept = default;
 SurfaceEvaluation& SurfaceEvaluation::operator=(SurfaceEvaluation&&) noexcept = default;
 SurfaceEvaluation::~SurfaceEvaluation() = default;
+void SurfaceEvaluation::State::record_with_deferred(VkCommandBuffer commands) const {
+    const Device& device = *recording.device;
+    const StageAccess kernels = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                 VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+    const StageAccess deferred_reads = {VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                        VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+    record_barrier(device, commands, deferred_reads, kCopyWrites);  // after what was recorded of it before
+    for (const VkDeviceSize begin : deferred_bytes) {
+        device.functions.CmdFillBuffer(commands, deferred.handle, begin, 8, 0);
+        device.functions.CmdFillBuffer(commands, deferred.handle, begin + 8, 8, 1);
+    }
+    record_barrier(device, commands, kCopyWrites, kernels);
+    recording.record(commands);
+    record_barrier(device, commands, kKernelWrites, deferred_reads);
+    recording.record(commands, deferred_dispatches);
+}
+
 void SurfaceEvaluation::record(VkCommandBuffer command_buffer) const {
-    state_->recording.record(command_buffer);
+    if (state_->deferred_dispatches.empty())
+        state_->recording.record(command_buffer);
+    else
+        state_->record_with_deferred(command_buffer);
 }
 uint32_t SurfaceEvaluation::dispatch_count() const {
-    return static_cast<uint32_t>(state_->recording.dispatches.size());
+    return static_cast<uint32_t>(state_->recording.dispatches.size() + state_->deferred_dispatches.size());
 }
 
 struct SurfaceEvaluator::State {
@@ -108,6 +138,7 @@ struct SurfaceEvaluator::State {
     }
     Result<SurfaceEvaluation> prepare(const PatchEvaluationInfo& info, uint32_t values);
     Result<SurfaceEvaluation> prepare(const GridJob& job) const;
+    Result<SurfaceEvaluation> prepare_with_trees(const PatchEvaluationInfo& info, uint32_t values);
     void begin(KernelName name, uint32_t push_constant_bytes, Recording& recording) const {
         recording.device = device;
         recording.layout = kernels[name].layout;
@@ -135,7 +166,8 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
     for (const uint32_t b :
          {shared::kGridValuesBinding, shared::kGridSecondBinding, shared::kGridThirdBinding})
         grid[b] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    for (const uint32_t b : {shared::kPatchResultsBinding, shared::kPatchStatusesBinding})
+    for (const uint32_t b :
+         {shared::kPatchResultsBinding, shared::kPatchStatusesBinding, shared::kPatchDeferredBinding})
         patch[b] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     const auto spirv = [&](std::span<const uint32_t> storage, std::span<const uint32_t> texel) {
         return state.texel ? texel : storage;
@@ -143,6 +175,7 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
     const KernelInfo infos[kKernelCount] = {
         {spirv(kGridEval, kGridEvalTexel), grid, sizeof(GridEvalParams)},
         {spirv(kPatchEval, kPatchEvalTexel), patch, sizeof(PatchEvalParams)},
+        {spirv(kTreeEval, kTreeEvalTexel), patch, sizeof(PatchEvalParams)},  // of one layout, for both to be recorded
         {kGridRowsTexel, grid, sizeof(GridEvalParams)}};
     for (uint32_t k = 0; k < (state.texel ? kKernelCount : kGridRows); ++k) {
         auto kernel = create_kernel(device, infos[k]);
@@ -266,7 +299,8 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
     SurfaceEvaluation evaluation;
     Recording& recording = evaluation.state_->recording;
     begin(kGrid, sizeof(GridEvalParams), recording);
-    const uint32_t output = info.normals.buffer != VK_NULL_HANDLE ? shared::kGridOutputNormal
+    const uint32_t output = info.grid->relative                     ? shared::kGridOutputRelative
+                            : info.normals.buffer != VK_NULL_HANDLE ? shared::kGridOutputNormal
                             : info.du.buffer != VK_NULL_HANDLE    ? shared::kGridOutputDerivatives
                                                                   : shared::kGridOutputValue;
     std::vector<BoundBuffer> bound;
@@ -311,48 +345,106 @@ struct SampleJob {
     uint32_t values, record;
 };
 
-/// What samples [first, end) bind.
-std::vector<BoundBuffer> bind_samples(const SampleJob& job, const Reads& reads, uint64_t first,
-                                      uint64_t end) {
+/// The part of the samples that one dispatch evaluates, and what is deferred of it, if anything can be.
+struct SampleWindow {
+    uint64_t first, end;
+    BoundBuffer deferred = {};
+};
+
+/// What a window binds from its samples on.
+void bind_window(const SampleJob& job, const Reads& reads, const SampleWindow& window, std::vector<BoundBuffer>& bound) {
+    const PatchEvaluationInfo& info = job.info;
+    const BoundBuffer results = reads.write(info.results.buffer, byte_of(info.results, window.first, 0),
+                                            byte_of(info.results, window.end - 1, job.record));
+    bound.push_back(reads.bind(info.samples.buffer, info.samples.offset_bytes + 12 * window.first,
+                               info.samples.offset_bytes + 12 * window.end, kWords));
+    bound.push_back(results);
+    bound.push_back(info.statuses.buffer == VK_NULL_HANDLE
+                        ? results
+                        : reads.write(info.statuses.buffer, byte_of(info.statuses, window.first, 0),
+                                      byte_of(info.statuses, window.end - 1, 1)));
+    bound.push_back(window.deferred.buffer == VK_NULL_HANDLE ? results : window.deferred);
+}
+
+std::vector<BoundBuffer> bind_samples(const SampleJob& job, const Reads& reads, const SampleWindow& window) {
     const PatchEvaluationInfo& info = job.info;
     const VkBuffer words = info.patches->words.handle;
     const uint64_t table_bytes = info.patches->words.size_bytes;
-    const bool statuses = info.statuses.buffer != VK_NULL_HANDLE;
-    const BoundBuffer results = reads.write(info.results.buffer, byte_of(info.results, first, 0),
-                                            byte_of(info.results, end - 1, job.record));
-    return {reads.bind(words, 0, table_bytes, kWords),
-            reads.bind(words, 0, table_bytes, kGroups),
-            job.values == 0
-                ? reads.bind(words, 0, table_bytes, kFloats)  // not read
-                : reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
-                             byte_of(info.points, info.patches->point_count - 1, info.width), kFloats),
-            reads.bind(info.samples.buffer, info.samples.offset_bytes + 12 * first,
-                       info.samples.offset_bytes + 12 * end, kWords),
-            results,
-            statuses ? reads.write(info.statuses.buffer, byte_of(info.statuses, first, 0),
-                                   byte_of(info.statuses, end - 1, 1))
-                     : results};
+    std::vector<BoundBuffer> bound = {
+        reads.bind(words, 0, table_bytes, kWords), reads.bind(words, 0, table_bytes, kGroups),
+        job.values == 0 ? reads.bind(words, 0, table_bytes, kFloats)  // not read
+                        : reads.bind(info.points.buffer, byte_of(info.points, 0, 0),
+                                     byte_of(info.points, info.patches->point_count - 1, info.width), kFloats)};
+    bind_window(job, reads, window, bound);
+    return bound;
+}
+std::vector<BoundBuffer> bind_trees(const SampleJob& job, const Reads& reads, const SampleWindow& window) {
+    const DevicePatchTrees& trees = *job.info.trees;
+    std::vector<BoundBuffer> bound = {
+        reads.bind(trees.words.handle, 0, trees.words.size_bytes, kWords),
+        reads.bind(trees.words.handle, 0, trees.words.size_bytes, kWordGroups),
+        reads.bind(job.info.local_points, 0, std::max<uint64_t>(1, trees.local_count) * 16, kGroups)};
+    bind_window(job, reads, window, bound);
+    return bound;
 }
 
-PatchEvalParams sample_params(const SampleJob& job, std::span<const BoundBuffer> bound, uint64_t first,
-                              uint64_t end) {
+shared::SampleParams list_params(const SampleJob& job, std::span<const BoundBuffer> bound, const SampleWindow& window) {
     const PatchEvaluationInfo& info = job.info;
-    PatchEvalParams params = {};
-    params.table = info.patches->offsets;
+    const uint64_t samples_at = info.samples.offset_bytes + 12 * window.first;
+    shared::SampleParams params = {};
     params.ptex_count = info.patches->ptex_count;
-    params.sample_count = static_cast<uint32_t>(end - first);
-    params.first_sample = static_cast<uint32_t>(
-        (info.samples.offset_bytes + 12 * first - bound[shared::kPatchSamplesBinding].offset_bytes) / 4);
-    if (job.values != 0) {
-        params.point_base = Reads::base(info.points, 0, bound[shared::kPatchPointsBinding]);
-        params.point_stride = info.points.stride;
-    }
-    params.result_base = Reads::base(info.results, first, bound[shared::kPatchResultsBinding]);
+    params.sample_count = static_cast<uint32_t>(window.end - window.first);
+    params.first_sample =
+        static_cast<uint32_t>((samples_at - bound[shared::kPatchSamplesBinding].offset_bytes) / 4);
+    params.result_base = Reads::base(info.results, window.first, bound[shared::kPatchResultsBinding]);
     params.result_stride = info.results.stride;
     params.status_base = info.statuses.buffer == VK_NULL_HANDLE
                              ? shared::kPatchNoStatus
-                             : Reads::base(info.statuses, first, bound[shared::kPatchStatusesBinding]);
+                             : Reads::base(info.statuses, window.first, bound[shared::kPatchStatusesBinding]);
     return params;
+}
+
+PatchEvalParams sample_params(const SampleJob& job, std::span<const BoundBuffer> bound, const SampleWindow& window) {
+    PatchEvalParams params = {.list = list_params(job, bound, window), .table = job.info.patches->offsets};
+    if (job.values != 0) {
+        params.point_base = Reads::base(job.info.points, 0, bound[shared::kPatchPointsBinding]);
+        params.point_stride = job.info.points.stride;
+    }
+    return params;
+}
+
+/// Of both kernels, in the order of the specialization constants.
+std::vector<uint32_t> sample_constants(const SampleJob& job, bool deferred) {
+    const PatchEvaluationInfo& info = job.info;
+    const uint64_t first_word = byte_of(info.results, 0, 0) / 4;
+    return {info.width,
+            job.values,
+            info.patches->narrow_rings,
+            info.patches->scheme == Scheme::loop,
+            std::bit_ceil(std::max(16u, job.values == 0 ? 1 : info.patches->max_ring_size)),
+            static_cast<uint32_t>(info.patches->end_cap),
+            deferred,
+            info.results.stride % 2 == 0 && first_word % 2 == 0};
+}
+
+/// As many at once as the device can bind of any of the buffers, and as workgroups fit into one dimension.
+uint64_t window_size(const PatchEvaluationInfo& info, const VkPhysicalDeviceLimits& limits) {
+    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
+    return std::clamp<uint64_t>((limits.maxStorageBufferRange - 256) / largest, 1,
+                                uint64_t{limits.maxComputeWorkGroupCount[0]} * shared::kPatchWorkgroupSize);
+}
+uint64_t group_count(const SampleWindow& window) {
+    return (window.end - window.first + shared::kPatchWorkgroupSize - 1) / shared::kPatchWorkgroupSize;
+}
+
+Result<void> check_trees(const DevicePatchTable* patches, const DevicePatchTrees* trees, VkBuffer local_points) {
+    if (trees == nullptr || local_points == VK_NULL_HANDLE)
+        return bad_argument("patch trees and local points go together");
+    if (trees->local_points.ptex_count != patches->ptex_count)
+        return bad_argument("the patch trees are of another patch table");
+    if (!trees->local_points.relative || trees->words.handle == VK_NULL_HANDLE)
+        return bad_argument("these patch trees were not built for samples (PatchTreeOptions::relative)");
+    return {};
 }
 
 }  // namespace
@@ -365,11 +457,23 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_locations(const LocationInfo
         0);
 }
 
+Result<SurfaceEvaluation> SurfaceEvaluator::prepare_local_points(const LocalPointsInfo& info) const {
+    if (auto checked = check(info.patches, info.width, info.points); !checked) return checked.error();
+    if (auto checked = check_trees(info.patches, info.trees, info.local_points); !checked) return checked.error();
+    return prepare_grid({.patches = info.patches,
+                         .grid = &info.trees->local_points,
+                         .width = info.width,
+                         .points = info.points,
+                         .values = {.buffer = info.local_points, .stride = 4}});
+}
+
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_samples(const PatchEvaluationInfo& info) const {
     const uint32_t values = value_count(info.derivatives);
     if (auto checked = check(info.patches, info.width, info.points); !checked) return checked.error();
     if (auto checked = check_points(info.results, info.width * values); !checked) return checked.error();
-    return state_->prepare(info, values);
+    if (info.trees == nullptr && info.local_points == VK_NULL_HANDLE) return state_->prepare(info, values);
+    if (auto checked = check_trees(info.patches, info.trees, info.local_points); !checked) return checked.error();
+    return state_->prepare_with_trees(info, values);
 }
 
 /// Checked, but for samples and statuses.
@@ -379,23 +483,60 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const PatchEvaluation
     Recording& recording = evaluation.state_->recording;
     begin(kPatch, sizeof(PatchEvalParams), recording);
     const SampleJob job{info, values, values == 0 ? 5 : values * info.width};
-    auto pipeline = this->pipeline(
-        kPatch, {info.width, values, info.patches->narrow_rings, info.patches->scheme == Scheme::loop,
-                 std::bit_ceil(std::max(16u, values == 0 ? 1 : info.patches->max_ring_size)),
-                 static_cast<uint32_t>(info.patches->end_cap)});
+    auto pipeline = this->pipeline(kPatch, sample_constants(job, false));
     if (!pipeline) return pipeline.error();
-    // As many at once as the device can bind of any of the buffers.
-    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
-    const uint64_t window =
-        std::max<uint64_t>(1, (device->properties.limits.maxStorageBufferRange - 256) / largest);
-    for (uint64_t first = 0; first < info.samples.count; first += window) {
-        const uint64_t end = std::min<uint64_t>(info.samples.count, first + window);
-        const std::vector<BoundBuffer> bound = bind_samples(job, reads(), first, end);
+    const uint64_t size = window_size(info, device->properties.limits);
+    for (uint64_t first = 0; first < info.samples.count; first += size) {
+        const SampleWindow window = {first, std::min<uint64_t>(info.samples.count, first + size)};
+        const std::vector<BoundBuffer> bound = bind_samples(job, reads(), window);
         auto set = recording.add_set(kernels[kPatch].set_layout, bound);
         if (!set) return set.error();
-        recording.add_dispatch(*pipeline, *set,
-                               (end - first + shared::kPatchWorkgroupSize - 1) / shared::kPatchWorkgroupSize,
-                               sample_params(job, bound, first, end));
+        recording.add_dispatch(*pipeline, *set, group_count(window), sample_params(job, bound, window));
+    }
+    return evaluation;
+}
+
+/// Samples by their trees, and then the few that those leave.
+Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare_with_trees(const PatchEvaluationInfo& info, uint32_t values) {
+    if (auto checked = check(info.samples, info.statuses); !checked) return checked.error();
+    SurfaceEvaluation evaluation;
+    SurfaceEvaluation::State& out = *evaluation.state_;
+    begin(kTree, sizeof(PatchEvalParams), out.recording);
+    const SampleJob job{info, values, values * info.width};
+    auto tree_pipeline = pipeline(kTree, sample_constants(job, false));
+    if (!tree_pipeline) return tree_pipeline.error();
+    auto deferred_pipeline = pipeline(kPatch, sample_constants(job, true));
+    if (!deferred_pipeline) return deferred_pipeline.error();
+    const uint64_t size = window_size(info, device->properties.limits), windows = (info.samples.count + size - 1) / size;
+    const uint64_t alignment = device->properties.limits.minStorageBufferOffsetAlignment;
+    const auto list_bytes = [&](uint64_t count) {
+        return (4 * (count + shared::kDeferredHeader) + alignment - 1) / alignment * alignment;
+    };
+    auto deferred = create_buffer(*device, windows * list_bytes(std::min<uint64_t>(size, info.samples.count)),
+                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                                      VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                  MemoryUse::device);
+    if (!deferred) return deferred.error();
+    out.deferred = std::move(*deferred);
+    for (uint64_t w = 0; w < windows; ++w) {
+        const uint64_t first = w * size, end = std::min<uint64_t>(info.samples.count, first + size);
+        const VkDeviceSize begin = w * list_bytes(size);
+        const SampleWindow window = {
+            first, end, {out.deferred.handle, begin, list_bytes(end - first), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
+        const std::vector<BoundBuffer> bound_trees = bind_trees(job, reads(), window),
+                                       bound_samples = bind_samples(job, reads(), window);
+        auto tree_set = out.recording.add_set(kernels[kTree].set_layout, bound_trees);
+        if (!tree_set) return tree_set.error();
+        auto deferred_set = out.recording.add_set(kernels[kPatch].set_layout, bound_samples);
+        if (!deferred_set) return deferred_set.error();
+        out.recording.add_dispatch(*tree_pipeline, *tree_set, group_count(window),
+                                   TreeEvalParams{list_params(job, bound_trees, window), info.trees->offsets});
+        auto dispatch = out.recording.make_dispatch(*deferred_pipeline, *deferred_set, 1,
+                                                    sample_params(job, bound_samples, window));
+        dispatch.indirect = out.deferred.handle;
+        dispatch.indirect_bytes = begin + 4 * shared::kDeferredGroups;
+        out.deferred_dispatches.push_back(dispatch);
+        out.deferred_bytes.push_back(begin);
     }
     return evaluation;
 }

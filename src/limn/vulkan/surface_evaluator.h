@@ -1,7 +1,8 @@
 // The limit surface on the device: level-1 points, grids of a fixed rate, and lists of samples.
 //
 // A frame: the caller writes control points; prepare_points makes the level-1 points behind them; a barrier;
-// then grids and samples, in any order.
+// then grids and samples, in any order. With patch trees samples are several times faster: then local points come before
+// samples, and another barrier.
 #pragma once
 
 #include "limn/evaluate.h"
@@ -48,6 +49,15 @@ struct SampleBuffer {
     uint32_t count = 0;
 };
 
+/// Local points of patch trees, from points: once a frame, for all samples that are evaluated with those trees.
+struct LocalPointsInfo {
+    const DevicePatchTable* patches = nullptr;
+    const DevicePatchTrees* trees = nullptr;  ///< of the same patch table, with PatchTreeOptions::relative
+    uint32_t width = 3;                       ///< 1 to 4
+    PointBuffer points = {};                  ///< patches->point_count points; kSourceUsage
+    VkBuffer local_points = VK_NULL_HANDLE;   ///< 16 bytes for each of trees->local_count, and 16 at least; kSourceUsage
+};
+
 /// Value k (evaluate.h: value, du, dv, duu, duv, dvv), component i of sample s is float k * width + i of
 /// point s of `results`; as evaluate_patches, in float. One record for each sample: zeros where the status is
 /// not valid.
@@ -59,6 +69,11 @@ struct PatchEvaluationInfo {
     SampleBuffer samples = {};
     PointBuffer results = {};   ///< the stride is at least value_count(derivatives) * width
     PointBuffer statuses = {};  ///< optional: SampleStatus as uint32 for each sample; only stride 1
+    /// Optional, and only together: samples then take 16 local points each in place of a ring and a plan's rows of weights.
+    /// Only samples closer to an irregular vertex than trees go are evaluated as without; results are as exact. The
+    /// evaluation then has 4 bytes of device memory for each sample, so that its records must not run at the same time.
+    const DevicePatchTrees* trees = nullptr;  ///< as LocalPointsInfo
+    VkBuffer local_points = VK_NULL_HANDLE;   ///< as LocalPointsInfo
 };
 
 /// Where samples are, as locate_patches, in float: five words for each, at point s of `places`: surface,
@@ -103,6 +118,7 @@ class SurfaceEvaluator {
     Result<StencilEvaluation> prepare_points(const SurfacePointsInfo& info) const;
     Result<SurfaceEvaluation> prepare_grid(const GridEvaluationInfo& info) const;
     Result<SurfaceEvaluation> prepare_refined(const RefinedGridInfo& info) const;
+    Result<SurfaceEvaluation> prepare_local_points(const LocalPointsInfo& info) const;
     Result<SurfaceEvaluation> prepare_samples(const PatchEvaluationInfo& info) const;
     Result<SurfaceEvaluation> prepare_locations(const LocationInfo& info) const;
 

@@ -189,6 +189,7 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
     out.ptex_count = table.ptex_count;
     out.samples_per_face = table.samples_per_face;
     out.faces_per_pass = table.faces_per_pass;
+    out.relative = table.relative;
     out.total_sample_count = table.total_sample_count;
     GridWords grid = lay_out(table, reads_texels(device));
     if (grid.words.size() > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
@@ -216,6 +217,20 @@ Result<RefinedGridUpload> record_refined_grid_upload(const Device& device, VkCom
     return upload;
 }
 
+Result<PatchTreesUpload> record_patch_trees_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                   const PatchTreeTable& table) {
+    PatchTreesUpload upload;
+    auto trees = record_local_points_upload(device, command_buffer, table, upload.staging);
+    if (!trees) return trees.error();
+    upload.table = std::move(*trees);
+    std::vector<TableSection> sections;
+    add_tree_sections(table, upload.table.offsets, sections);
+    auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
+    if (!words) return words.error();
+    upload.table.words = std::move(*words);
+    return upload;
+}
+
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table) {
     return upload_and_wait(
         device, [&](VkCommandBuffer commands) { return record_patch_table_upload(device, commands, table); });
@@ -229,6 +244,11 @@ Result<DeviceRefinedGrid> upload_refined_grid_table(const Device& device, const 
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table) {
     return upload_and_wait(
         device, [&](VkCommandBuffer commands) { return record_grid_table_upload(device, commands, table); });
+}
+
+Result<DevicePatchTrees> upload_patch_trees(const Device& device, const PatchTreeTable& table) {
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_patch_trees_upload(device, commands, table); });
 }
 
 }  // namespace limn::vk

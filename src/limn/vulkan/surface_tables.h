@@ -3,6 +3,7 @@
 
 #include "limn/grid_table.h"
 #include "limn/patch_table.h"
+#include "limn/patch_tree.h"
 #include "limn/refined_grid.h"
 #include "limn/shared/patch_eval_params.h"
 #include "limn/vulkan/device_tables.h"
@@ -48,6 +49,7 @@ struct DeviceGridTable {
     uint32_t ptex_count = 0;
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
+    bool relative = false;
     std::vector<GridBatch> batches;
     uint64_t total_sample_count = 0;
     Buffer words;
@@ -67,6 +69,16 @@ struct DeviceRefinedGrid {
     VkDeviceSize bytes() const { return grid.bytes() + rings.size_bytes; }
 };
 
+/// A patch tree table: where its words are, and what makes its local points.
+struct DevicePatchTrees {
+    shared::TreeOffsets offsets = {};
+    uint32_t local_count = 0;
+    DeviceGridTable local_points;
+    Buffer words;  ///< none in a tessellation table, whose own words hold them
+
+    VkDeviceSize bytes() const { return words.size_bytes + local_points.bytes(); }
+};
+
 /// A table whose upload has been recorded, and the staging memory it is read from: keep that until the
 /// commands have completed (it is empty where the device shares memory with the host).
 struct PatchTableUpload {
@@ -75,6 +87,10 @@ struct PatchTableUpload {
 };
 struct GridTableUpload {
     DeviceGridTable table;
+    std::vector<Buffer> staging;
+};
+struct PatchTreesUpload {
+    DevicePatchTrees table;
     std::vector<Buffer> staging;
 };
 
@@ -91,10 +107,13 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
                                                  const GridTable& table);
 Result<RefinedGridUpload> record_refined_grid_upload(const Device& device, VkCommandBuffer command_buffer,
                                                      const RefinedGridTable& table);
+Result<PatchTreesUpload> record_patch_trees_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                   const PatchTreeTable& table);
 
 /// The same, submitted to Device::queue and waited for.
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table);
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table);
 Result<DeviceRefinedGrid> upload_refined_grid_table(const Device& device, const RefinedGridTable& table);
+Result<DevicePatchTrees> upload_patch_trees(const Device& device, const PatchTreeTable& table);
 
 }  // namespace limn::vk

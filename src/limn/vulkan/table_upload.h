@@ -5,7 +5,7 @@
 #include <cstring>
 #include <span>
 
-#include "limn/vulkan/buffer.h"
+#include "limn/vulkan/surface_tables.h"
 
 namespace limn::vk {
 
@@ -54,6 +54,26 @@ inline Result<Buffer> record_sections_upload(const Device& device, VkCommandBuff
     for (const TableSection& s : sections)
         if (s.bytes != 0) std::memcpy(static_cast<uint32_t*>(buffer->second) + *s.offset, s.data, s.bytes);
     return std::move(buffer->first);
+}
+
+inline void add_tree_sections(const PatchTreeTable& trees, shared::TreeOffsets& offsets,
+                              std::vector<TableSection>& sections) {
+    sections.push_back(section_of(trees.ptex_surfaces, offsets.ptex_surfaces));
+    sections.push_back(section_of(trees.surfaces, offsets.surfaces));
+    sections.push_back(section_of(trees.nodes, offsets.nodes));
+    sections.push_back(section_of(trees.leaf_points, offsets.leaf_points));
+}
+
+/// What makes local points; the trees' words are left to the caller.
+inline Result<DevicePatchTrees> record_local_points_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                           const PatchTreeTable& trees, std::vector<Buffer>& staging) {
+    DevicePatchTrees out;
+    out.local_count = trees.local_count();
+    auto grid = record_grid_table_upload(device, command_buffer, trees.local_points);
+    if (!grid) return grid.error();
+    out.local_points = std::move(grid->table);
+    for (Buffer& buffer : grid->staging) staging.push_back(std::move(buffer));
+    return out;
 }
 
 /// Records, submits where there is something to copy, and waits.

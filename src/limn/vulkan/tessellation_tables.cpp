@@ -3,28 +3,6 @@
 #include "limn/vulkan/table_upload.h"
 
 namespace limn::vk {
-namespace {
-
-void add_sections(const PatchTreeTable& trees, shared::TreeOffsets& offsets, std::vector<TableSection>& sections) {
-    sections.push_back(section_of(trees.ptex_surfaces, offsets.ptex_surfaces));
-    sections.push_back(section_of(trees.surfaces, offsets.surfaces));
-    sections.push_back(section_of(trees.nodes, offsets.nodes));
-    sections.push_back(section_of(trees.leaf_points, offsets.leaf_points));
-}
-
-Result<DevicePatchTrees> record_trees(const Device& device, VkCommandBuffer command_buffer, const PatchTreeTable& trees,
-                                      std::vector<Buffer>& staging) {
-    DevicePatchTrees out;
-    out.local_count = trees.local_count();
-    auto grid = record_grid_table_upload(device, command_buffer, trees.local_points);
-    if (!grid) return grid.error();
-    out.local_points = std::move(grid->table);
-    for (Buffer& buffer : grid->staging) staging.push_back(std::move(buffer));
-    return out;
-}
-
-}  // namespace
-
 Result<TessellationTableUpload> record_tessellation_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                                  const TessellationTable& table,
                                                                  const PatchTreeTable& vertices,
@@ -39,18 +17,18 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
     out.corner_copy_count = table.corner_copy_count();
     out.row_copy_count = table.row_copy_count();
     out.max_rate = vertices.max_rate;
-    auto trees = record_trees(device, command_buffer, vertices, upload.staging);
+    auto trees = record_local_points_upload(device, command_buffer, vertices, upload.staging);
     if (!trees) return trees.error();
     out.vertices = std::move(*trees);
     for (const PatchTreeTable* channel : channels) {
-        auto channel_trees = record_trees(device, command_buffer, *channel, upload.staging);
+        auto channel_trees = record_local_points_upload(device, command_buffer, *channel, upload.staging);
         if (!channel_trees) return channel_trees.error();
         out.channels.push_back(std::move(*channel_trees));
         out.max_rate = std::min(out.max_rate, channel->max_rate);
     }
     std::vector<TableSection> sections;
-    add_sections(vertices, out.vertices.offsets, sections);
-    for (size_t c = 0; c < channels.size(); ++c) add_sections(*channels[c], out.channels[c].offsets, sections);
+    add_tree_sections(vertices, out.vertices.offsets, sections);
+    for (size_t c = 0; c < channels.size(); ++c) add_tree_sections(*channels[c], out.channels[c].offsets, sections);
     for (size_t i = 0; i < 1 + channels.size(); ++i)
         if ((i == 0 ? vertices : *channels[i - 1]).ptex_surfaces.size() != table.face_count)
             return Error{ErrorCode::invalid_argument, "patch trees are of another mesh than the tessellation table"};

@@ -3,19 +3,11 @@
 
 #include <span>
 
-#include "limn/patch_tree.h"
 #include "limn/shared/tess_params.h"
 #include "limn/tessellation_table.h"
 #include "limn/vulkan/surface_tables.h"
 
 namespace limn::vk {
-
-/// A patch tree table: where its words are, and what makes its local points.
-struct DevicePatchTrees {
-    shared::TreeOffsets offsets = {};
-    uint32_t local_count = 0;
-    DeviceGridTable local_points;
-};
 
 /// Tessellation table and patch trees as kernels read them: limn/shared/tess_params.h. Immutable once uploaded;
 /// outlives the tessellations that use it.
@@ -34,8 +26,8 @@ struct DeviceTessellationTable {
     Buffer words;
 
     VkDeviceSize bytes() const {
-        VkDeviceSize sum = words.size_bytes + vertices.local_points.bytes();
-        for (const DevicePatchTrees& channel : channels) sum += channel.local_points.bytes();
+        VkDeviceSize sum = words.size_bytes + vertices.bytes();
+        for (const DevicePatchTrees& channel : channels) sum += channel.bytes();
         return sum;
     }
 };
