@@ -75,6 +75,7 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
         frame->tables.push_back(std::move(*uploaded));
         frame->points.push_back(std::move(*points));
     }
+    candidate.flops = 2.0 * width * static_cast<double>(candidate.entry_count);
     auto commands = vk::Commands::begin(device);
     if (!commands) return commands.error();
     frame->timestamps.record_begin(*commands);

@@ -36,7 +36,7 @@ struct Torus {
 
 /// Every 13th quad gets a smaller one inside, whose corners have valence 3, which makes its own corners
 /// valence 5.
-Model make_creased_torus(const Torus& torus) {
+Model make_uneven_torus(const Torus& torus) {
     Model model;
     torus.add_vertices(model);
     for (uint32_t i = 0; i < torus.around; ++i)
@@ -63,6 +63,11 @@ Model make_creased_torus(const Torus& torus) {
             for (uint32_t c = 0; c < 4; ++c)
                 add_face(model, {outer[c], outer[(c + 1) % 4], inner[(c + 1) % 4], inner[c]});
         }
+    return model;
+}
+
+Model make_creased_torus(const Torus& torus) {
+    Model model = make_uneven_torus(torus);
     // Closed chains around the tube: semi-sharp, beyond the level that is measured, and infinite.
     const float sharpness[] = {1.5f, 2.5f, 6.0f, kInfiniteSharpness};
     for (uint32_t chain = 0; chain < 4; ++chain) {
@@ -191,23 +196,39 @@ std::vector<BenchModel> load_models(const Options& options) {
         models.push_back(finish(options, stem(path), value_or_fail(options, read_obj(path))));
     if (!options.models.empty()) return models;
     models.push_back(finish(options, "torus_1k", make_creased_torus({48, 24})));
+    if (options.quick) return models;
     models.push_back(finish(options, "torus_9k", make_creased_torus({120, 58})));
     models.push_back(finish(options, "messy_6k", make_messy_torus({84, 64})));
     return models;
 }
 
-BenchModel make_million_quads() {
-    constexpr uint32_t kSide = 1000;
+BenchModel make_quads(std::string name, uint32_t side) {
     Model model;
-    for (uint32_t i = 0; i <= kSide; ++i)
-        for (uint32_t j = 0; j <= kSide; ++j)
-            add_vertex(model, i / 1000.0, j / 1000.0, 0.01 * noise(i * (kSide + 1) + j));
-    for (uint32_t i = 0; i < kSide; ++i)
-        for (uint32_t j = 0; j < kSide; ++j) {
-            const uint32_t v = i * (kSide + 1) + j;
-            add_face(model, {v, v + kSide + 1, v + kSide + 2, v + 1});
+    for (uint32_t i = 0; i <= side; ++i)
+        for (uint32_t j = 0; j <= side; ++j)
+            add_vertex(model, i / 1000.0, j / 1000.0, 0.01 * noise(i * (side + 1) + j));
+    for (uint32_t i = 0; i < side; ++i)
+        for (uint32_t j = 0; j < side; ++j) {
+            const uint32_t v = i * (side + 1) + j;
+            add_face(model, {v, v + side + 1, v + side + 2, v + 1});
         }
-    return finish({}, "million_quads", std::move(model));
+    return finish({}, std::move(name), std::move(model));
+}
+
+BenchModel make_cube() {
+    Model model;
+    for (uint32_t i = 0; i < 8; ++i) add_vertex(model, i & 1, i >> 1 & 1, i >> 2);
+    const uint32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                  {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (const auto& face : faces) add_face(model, {face[0], face[1], face[2], face[3]});
+    return finish({}, "cube", std::move(model));
+}
+
+BenchModel make_smooth_torus(std::string name, uint32_t faces) {
+    const double quads = faces * 13.0 / 17;  // every 13th becomes five
+    const auto across = static_cast<uint32_t>(std::sqrt(quads / 2));
+    const auto around = static_cast<uint32_t>(quads / across);
+    return finish({}, std::move(name), make_uneven_torus({around, across}));
 }
 
 }  // namespace limn::bench
