@@ -11,11 +11,22 @@ namespace limn::cli {
 namespace {
 
 struct BenchOptions {
-    std::vector<std::string> models, only, compare;
-    std::string json, html;
+    std::vector<std::string> models, compare;
+    std::string only, json, html;
     DeviceOption device;
     bool quick = false, list = false;
 };
+
+/// "a,b" as a and b; none of "".
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> parts;
+    for (size_t at = 0; at < text.size();) {
+        const size_t end = std::min(text.find(',', at), text.size());
+        parts.push_back(text.substr(at, end - at));
+        at = end + 1;
+    }
+    return parts;
+}
 
 int list_scenarios() {
     for (const bench::Scenario& scenario : bench::scenarios())
@@ -58,7 +69,7 @@ uint32_t device_index(const std::string& device) {
 int run(const BenchOptions& options) {
     if (options.list) return list_scenarios();
     if (!options.compare.empty()) return compare(options.compare);
-    const auto selected = bench::select_scenarios(options.only);
+    const auto selected = bench::select_scenarios(split(options.only));
     if (!selected) return fail(selected.error());
     Progress progress;
     const bench::Options measured{
@@ -78,9 +89,9 @@ int run(const BenchOptions& options) {
     return written ? 0 : fail(written.error());
 }
 
-/// Empty where the name is a scenario's: CLI11's way to say so.
-std::string check_scenario(const std::string& name) {
-    const auto selected = bench::select_scenarios({name});
+/// Empty where all names are those of scenarios: CLI11's way to say so.
+std::string check_scenarios(const std::string& names) {
+    const auto selected = bench::select_scenarios(split(names));
     return selected ? "" : selected.error().message;
 }
 
@@ -93,9 +104,10 @@ void add_bench(CLI::App& program, int& status) {
     command->add_option("MODEL", options->models, "OBJ files; without any, generated models");
     command->add_option("--json", options->json, "Write what was measured here");
     command->add_option("--html", options->html, "And as a page with charts");
-    command->add_option("--only", options->only, "Scenarios to run, see --list")
-        ->delimiter(',')
-        ->check(check_scenario);
+    command
+        ->add_option("--only", options->only, "Scenarios to run, NAME[,NAME...], see --list")
+
+        ->check(check_scenarios);
     command->add_flag("--quick", options->quick, "Small models, one repetition: not for comparison");
     command
         ->add_option("--device", options->device.device,

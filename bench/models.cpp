@@ -1,5 +1,6 @@
 #include "models.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -192,8 +193,12 @@ double noise(uint64_t i) {
 
 std::vector<BenchModel> load_models(const Options& options) {
     std::vector<BenchModel> models;
-    for (const std::string& path : options.models)
-        models.push_back(finish(options, stem(path), value_or_fail(options, read_obj(path))));
+    for (const std::string& path : options.models) {
+        std::string name = stem(path);
+        while (std::any_of(models.begin(), models.end(), [&](const BenchModel& m) { return m.name == name; }))
+            name += "_";  // names tell rows apart
+        models.push_back(finish(options, name, value_or_fail(options, read_obj(path))));
+    }
     if (!options.models.empty()) return models;
     models.push_back(finish(options, "torus_1k", make_creased_torus({48, 24})));
     if (options.quick) return models;

@@ -47,7 +47,7 @@ std::string summary_table(const ReportData& data) {
                                        "loop / limn", "copy share, median"});
     for (const SummaryLine& line : summarize(data))
         html += table_row("td",
-                          {line.scenario, line.cache == CacheClass::unknown ? "unknown" : to_text(line.cache),
+                          {line.scenario, line.cache == CacheClass::unknown ? "not counted" : to_text(line.cache),
                            std::to_string(line.group_count), ratio_text(line.osd), ratio_text(line.loop),
                            positive("%.2f", line.copy_share)});
     return html + "</table>\n";

@@ -51,6 +51,15 @@ const char* const kPageScript = R"js(
   });
   const unique = values => [...new Set(values)];
 
+  // The fastest row of each key at each x.
+  function best(list, key, x) {
+    const found = new Map();
+    for (const row of list) {
+      const at = key(row) + ' ' + x(row);
+      if (!found.has(at) || row.median_ms < found.get(at).median_ms) found.set(at, row);
+    }
+    return [...found.values()];
+  }
   // Lines of points, one for each key; limn in blue and thick.
   function series(list, key, x, y) {
     let our = 0, their = 0;
@@ -86,14 +95,14 @@ const char* const kPageScript = R"js(
       return logs.length ? Math.exp(logs.reduce((a, b) => a + b, 0) / logs.length) : null;
     };
     const bars = (label, values, color) => ({ label, data: values, backgroundColor: color, base: 1, maxBarThickness: 22 });
-    const best = scenario => {
+    const all = scenario => {
       const logs = [...groups.values()].filter(g => g.scenario === scenario && g.limn && (g.osd || g.loop))
                                        .map(g => Math.log(Math.min(g.osd ?? Infinity, g.loop ?? Infinity) / g.limn));
       return logs.length ? Math.exp(logs.reduce((a, b) => a + b, 0) / logs.length) : null;
     };
     draw('How many times faster limn is: geometric means of all tasks (left of 1: slower)', true, {
       type: 'bar',
-      data: { labels: names, datasets: [bars('than the best of all peers', names.map(best), '#1d4ed8'),
+      data: { labels: names, datasets: [bars('than the best of all peers', names.map(all), '#1d4ed8'),
                                         bars('than the best of OpenSubdiv', names.map(n => mean(n, 'osd')), '#c2410c'),
                                         bars('than the best plain loop', names.map(n => mean(n, 'loop')), '#15803d')] },
       options: { indexAxis: 'y', scales: { x: logarithmic('times faster') } }
@@ -119,20 +128,21 @@ const char* const kPageScript = R"js(
     draw('Roofline: above the line only what stays in the cache gets', true, {
       type: 'scatter', data: { datasets: sets },
       options: { scales: { x: logarithmic('flops per byte that must move'), y: logarithmic('Gflop/s') },
-                 plugins: { legend: { position: 'bottom', labels: { usePointStyle: true } },
+                 plugins: { legend: { position: 'bottom', labels: { usePointStyle: true, boxWidth: 8, boxHeight: 8 } },
                             tooltip: { callbacks: { label: item => item.raw.name || item.dataset.label } } } }
     });
   }
 
   ratios();
-  const evaluator = row => row.evaluator, ms = row => row.median_ms;
+  // One line for each machine, whatever its tables and paddings.
+  const evaluator = row => row.evaluator.replace(/_(chain|composed|xyzw|separate)/g, ''), ms = row => row.median_ms;
   lines('Time per face over mesh size', rows.filter(row => row.scenario === 'scaling'),
         row => row.task + ', ' + row.evaluator, row => row.parameters.faces,
         row => row.median_ms * 1e6 / row.parameters.faces, logarithmic('faces'), 'ns per face');
   const over = (scenario, task, parameter, title) => {
     const list = rows.filter(row => row.scenario === scenario && row.parameters[parameter] > 0 && (!task || row.task === task));
     for (const model of unique(list.map(row => row.model))) {
-      const part = list.filter(row => row.model === model);
+      const part = best(list.filter(row => row.model === model), evaluator, row => row.parameters[parameter]);
       lines(title + ': ' + model, part, evaluator, row => row.parameters[parameter], ms,
             linear(parameter, part.map(row => row.parameters[parameter])), 'ms');
     }

@@ -13,6 +13,7 @@ namespace limn::bench {
 namespace {
 
 constexpr uint32_t kFirstLevel = 2, kLastLevel = 6, kLastQuickLevel = 3;
+constexpr Repetitions kRepetitions{3, 1000, 0.25};
 constexpr double kMostBytes = 3.0 * (1 << 30);  // of memory, while a table is built
 /// Of a table over the control points a row has about 16 entries; of a step about 7, on 4/3 of the rows.
 constexpr double kComposedRowBytes = 8 + 16 * 8, kChainRowBytes = 4.0 / 3 * (8 + 7 * 8);
@@ -51,11 +52,12 @@ class LevelBench {
                  {ErrorCode::unsupported, row_name(row) + format(": points are wrong by %.3g, more than %.3g",
                                                                  difference, tolerance_)});
         std::vector<double> device;
-        row.timing = measure(options, [&] {
+        const auto frame = [&] {
             const bool done = candidate.frame();
             if (candidate.device_milliseconds) device.push_back(candidate.device_milliseconds());
             return done;
-        });
+        };
+        row.timing = measure(options, frame, {}, kRepetitions);
         if (!device.empty())
             row.device = timing_of({device.begin() + 1, device.end()});  // without the warm-up
         row.bytes = static_cast<double>(candidate.bytes);
