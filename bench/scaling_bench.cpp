@@ -20,7 +20,8 @@ constexpr std::pair<const char*, uint32_t> kSizes[] = {{"torus_1k", 1'000},
                                                        {"torus_4M", 4'000'000}};
 constexpr size_t kQuickSizes = 3;
 constexpr uint32_t kMostOsdFaces = 150'000, kRate = 3, kSideSamples = kRate + 1;
-constexpr Repetitions kRepetitions{3, 100, 0.25};
+constexpr Repetitions kRepetitions{3, 100, 0.25}, kLargeRepetitions{2, 100, 0.25};
+constexpr uint32_t kLargeFaces = 500'000;
 constexpr size_t kCheckedSamples = 20'000;
 
 struct Setup {
@@ -41,7 +42,8 @@ struct Setup {
                 .unit = "faces"};
     }
     Timing time(const std::function<bool()>& step, const std::function<void()>& reset = {}) const {
-        return measure(session.options, step, reset, kRepetitions);
+        const bool large = model.mesh.face_count() >= kLargeFaces;
+        return measure(session.options, step, reset, large ? kLargeRepetitions : kRepetitions);
     }
     [[noreturn]] void fail_verification(const Row& row, double difference) const {
         fail(session.options,
