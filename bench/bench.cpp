@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,11 +14,6 @@
 
 namespace limn::bench {
 namespace {
-
-[[noreturn]] void usage(const std::string& program, std::FILE* to, int status) {
-    std::fprintf(to, "usage: %s [--json OUT] [--quick] [--device N|cpu] [MODEL.obj ...]\n", program.c_str());
-    std::exit(status);
-}
 
 /// A number of bytes from a line of /proc/self/status, such as VmHWM.
 uint64_t process_memory(const char* key) {
@@ -54,37 +50,28 @@ double difference(const std::vector<T>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-Options parse_options(int argc, char** argv, uint32_t default_device, uint32_t cpu_device) {
-    Options options;
-    const char* slash = std::strrchr(argv[0], '/');
-    options.program = slash != nullptr ? slash + 1 : argv[0];
-    options.device_index = default_device;
-    for (int i = 1; i < argc; ++i) {
-        const std::string argument = argv[i];
-        const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
-        if (argument == "--help" || argument == "-h") usage(options.program, stdout, 0);
-        if (argument == "--quick") {
-            options.quick = true;
-        } else if (argument == "--json" && value != nullptr) {
-            options.json = argv[++i];
-        } else if (argument == "--device" && value != nullptr) {
-            const std::string device = argv[++i];
-            const bool number = !device.empty() && device.size() < 7 &&
-                                device.find_first_not_of("0123456789") == std::string::npos;
-            if (!number && device != "cpu") usage(options.program, stderr, 2);
-            options.device_index = number ? static_cast<uint32_t>(std::stoul(device)) : cpu_device;
-        } else if (argument.empty() || argument[0] == '-') {
-            usage(options.program, stderr, 2);
-        } else {
-            options.models.push_back(argument);
-        }
-    }
-    return options;
+void show_progress(const Options& options, const std::string& what) {
+    if (options.progress) options.progress(what);
 }
 
 void fail(const Options& options, const Error& error) {
-    std::fprintf(stderr, "%s: %s\n", options.program.c_str(), error.message.c_str());
+    show_progress(options, "");
+    std::fflush(stdout);
+    std::fprintf(stderr, "limn: %s\n", error.message.c_str());
     std::exit(error.code == ErrorCode::no_device ? 3 : 1);
+}
+
+std::string format(const char* pattern, ...) {
+    char text[256];
+    va_list arguments;
+    va_start(arguments, pattern);
+    std::vsnprintf(text, sizeof text, pattern, arguments);
+    va_end(arguments);
+    return text;
+}
+
+std::string megabytes(uint64_t bytes) {
+    return format("%.2f MB", static_cast<double>(bytes) / 1e6);
 }
 
 Timing timing_of(std::vector<double> milliseconds) {

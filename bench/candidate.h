@@ -15,6 +15,7 @@ struct Candidate {
     uint64_t entry_count = 0;     ///< nonzeros
     uint32_t dispatch_count = 0;  ///< 0 where it runs on the host
     uint64_t bytes = 0;           ///< tables, points read and points written, once each
+    double flops = 0;             ///< multiply-adds, counted as two
     double copy_rate = 0;         ///< bytes per second of a plain copy where it runs
     /// All passes, from the control points that lie where it wants them to the last level; waits for the end.
     std::function<bool()> frame;

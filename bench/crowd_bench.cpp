@@ -5,19 +5,17 @@
 #include <cstdio>
 #include <memory>
 
-#include "bench.h"
 #include "limn/batch.h"
 #include "limn/parallel.h"
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
-#include "machines.h"
-#include "models.h"
+#include "session.h"
 #include "timestamps.h"
 
 namespace limn::bench {
 namespace {
 
-constexpr uint32_t kGridRate = 7, kTessellationRate = 8;
+constexpr uint32_t kGridRate = 7, kTessellationRate = 4;
 constexpr const char* kPasses[] = {"points", "grid", "local points", "rates", "triangles", "vertices"};
 constexpr uint32_t kPassCount = 6;
 
@@ -75,6 +73,15 @@ std::vector<BenchModel> make_crowd(uint32_t count) {
 }
 
 /// Tables of all meshes, built in parallel by way of one cache, and merged.
+Row row_of(uint32_t count, const char* model, const char* task, const char* evaluator) {
+    return {.scenario = "crowd",
+            .model = model,
+            .parameters = {{"meshes", count}},
+            .task = task,
+            .evaluator = evaluator,
+            .unit = "faces"};
+}
+
 Surfaces merge_crowd(const Bench& bench, const std::vector<BenchModel>& models, Report& report) {
     const auto count = static_cast<uint32_t>(models.size());
     std::vector<PatchTable> patches(count);
@@ -112,14 +119,15 @@ Surfaces merge_crowd(const Bench& bench, const std::vector<BenchModel>& models, 
             return true;
         },
         free_merged);
-    const std::string name = "crowd/" + std::to_string(count) + "/";
-    const auto faces = static_cast<double>(out.topology.face_count);
-    report.add({.name = name + "build", .limn = built, .items = faces, .note = "all cores, a warm cache"});
-    report.add({.name = name + "merge",
-                .limn = merged,
-                .items = faces,
-                .bytes = static_cast<double>(bytes + out.patches.bytes() + out.topology.bytes()),
-                .note = std::to_string(plans) + " plans become " + std::to_string(out.patches.plans.size())});
+    Row build_row = row_of(count, "crowd", "build", "limn"), merge_row = row_of(count, "crowd", "merge", "limn");
+    build_row.timing = built;
+    merge_row.timing = merged;
+    build_row.items = merge_row.items = out.topology.face_count;
+    build_row.note = "all cores, a warm cache";
+    merge_row.bytes = static_cast<double>(bytes + out.patches.bytes() + out.topology.bytes());
+    merge_row.note = std::to_string(plans) + " plans become " + std::to_string(out.patches.plans.size());
+    report.add(build_row);
+    report.add(merge_row);
     return out;
 }
 
@@ -245,7 +253,7 @@ void check_drawn(const Bench& bench, const Outputs& outputs, const char* what) {
 }
 
 /// Frames in turn, so that what else the machine does hits both.
-void compare(const Bench& bench, const Surfaces& crowd, const Surfaces& one, const std::string& name,
+void compare(const Bench& bench, const Surfaces& crowd, const Surfaces& one, uint32_t count, const char* model,
              Report& report) {
     const Outputs outputs = make_outputs(bench, {&crowd, &one});
     const auto crowd_frame = make_frame(bench, crowd, outputs), one_frame = make_frame(bench, one, outputs);
@@ -264,44 +272,57 @@ void compare(const Bench& bench, const Surfaces& crowd, const Surfaces& one, con
         if (run(*crowd_frame) == 0 || run(*one_frame) == 0)
             fail(bench.options, {ErrorCode::vulkan_failure, "a frame failed"});
     const Timing crowd_time = timing_of(crowd_frame->totals), one_time = timing_of(one_frame->totals);
-    const double samples = static_cast<double>(crowd_frame->grid_table.sample_count());
-    report.add(
-        {.name = name + "frame", .limn = crowd_time, .items = samples, .note = describe(*crowd_frame)});
-    report.add({.name = name + "one_mesh",
-                .limn = one_time,
-                .items = static_cast<double>(one_frame->grid_table.sample_count()),
-                .note = describe(*one_frame)});
-    char line[160];
-    std::snprintf(line, sizeof line, "%sratio per face, of minima: %.3f", name.c_str(),
-                  crowd_time.min / one_time.min * one.topology.face_count / crowd.topology.face_count);
-    report.add_text(line);
+    Row crowd_row = row_of(count, model, "frame", "limn"), one_row = row_of(count, model, "frame", "limn_one_mesh");
+    crowd_row.timing = crowd_time;
+    one_row.timing = one_time;
+    crowd_row.items = crowd.topology.face_count;
+    one_row.items = one.topology.face_count;
+    crowd_row.note = describe(*crowd_frame);
+    one_row.note = describe(*one_frame);
+    report.add(crowd_row);
+    report.add(one_row);
+    report.add_finding(format("%s of %u meshes: %.2f times the time per face of one mesh as large, medians", model, count,
+                              crowd_time.median / one_time.median * one.topology.face_count / crowd.topology.face_count));
+}
+
+/// Many instances of one mesh, each with points of its own.
+Surfaces merge_instances(const Bench& bench, const BenchModel& model, uint32_t count) {
+    const auto patches = value_or_fail(bench.options, build_patch_table<float>(model.mesh, {}));
+    const auto topology = value_or_fail(bench.options, build_tessellation_table(model.mesh, {}));
+    const std::vector<const PatchTable*> patch_tables(count, &patches);
+    const std::vector<const TessellationTable*> topologies(count, &topology);
+    Surfaces out{value_or_fail(bench.options, merge_patch_tables<float>(patch_tables)).table,
+                 value_or_fail(bench.options, merge_tessellation_tables(topologies)).table,
+                 {}};
+    for (uint32_t i = 0; i < count; ++i)
+        out.positions.insert(out.positions.end(), model.positions.begin(), model.positions.end());
+    return out;
+}
+
+/// As many faces, and as many around its tube as makes it no stranger than the small ones.
+Surfaces build_as_large(const Bench& bench, const Surfaces& crowd, uint32_t count) {
+    const auto across = static_cast<uint32_t>(18.5 * std::sqrt(count));
+    const auto around = static_cast<uint32_t>(crowd.topology.face_count / (1.0 + 4.0 / 13) / across);
+    return build_one(bench, make_random_torus(around, across, 1));
 }
 
 }  // namespace
 
-/// `count` meshes of 200 to 1,000 faces.
-void bench_crowd(const Options& options, const Machines& machines, Report& report, uint32_t count) {
-    const auto evaluator = value_or_fail(options, vk::SurfaceEvaluator::create(machines.device()));
-    const auto tessellator = value_or_fail(options, vk::Tessellator::create(machines.device()));
-    const Bench bench{options, machines.device(), evaluator, tessellator};
-    const Surfaces crowd = merge_crowd(bench, make_crowd(count), report);
-    // As many faces, and as many around its tube as makes it no stranger than the small ones.
-    const auto across = static_cast<uint32_t>(18.5 * std::sqrt(count));
-    const auto around = static_cast<uint32_t>(crowd.topology.face_count / (1.0 + 4.0 / 13) / across);
-    const Surfaces one = build_one(bench, make_random_torus(around, across, 1));
-    compare(bench, crowd, one, "crowd/" + std::to_string(count) + "/", report);
+/// Meshes of 200 to 1,000 faces.
+void bench_crowd(const Session& session) {
+    const Options& options = session.options;
+    const auto evaluator = value_or_fail(options, vk::SurfaceEvaluator::create(session.machines.device()));
+    const auto tessellator = value_or_fail(options, vk::Tessellator::create(session.machines.device()));
+    const Bench bench{options, session.machines.device(), evaluator, tessellator};
+    for (const uint32_t count : {100u, 1000u}) {
+        if (options.quick && count != 100) continue;
+        show_progress(options, "crowd of " + std::to_string(count));
+        const Surfaces crowd = merge_crowd(bench, make_crowd(count), session.report);
+        compare(bench, crowd, build_as_large(bench, crowd, count), count, "crowd", session.report);
+    }
+    show_progress(options, "instances");
+    const Surfaces instances = merge_instances(bench, make_random_torus(22, 18, 1), 100);
+    compare(bench, instances, build_as_large(bench, instances, 100), 100, "instances", session.report);
 }
 
 }  // namespace limn::bench
-
-int main(int argc, char** argv) {
-    using namespace limn;
-    using namespace limn::bench;
-    const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
-    const Machines machines = open_machines(options);
-    Report report(options, "crowd", machines.facts(), "faces");
-    for (const uint32_t count : {100u, 1000u})
-        if (!options.quick || count == 100) bench_crowd(options, machines, report, count);
-    value_or_fail(options, report.finish());
-    return 0;
-}

@@ -1,7 +1,6 @@
 #include "limn_patches.h"
 
 #include <bit>
-#include <cstdio>
 #include <memory>
 
 #include "candidate.h"
@@ -31,12 +30,6 @@ struct Frame {
 
     vk::PointBuffer bound_points() const { return {.buffer = points.handle, .stride = 3}; }
 };
-
-std::string megabytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f MB", static_cast<double>(bytes) / 1e6);
-    return text;
-}
 
 Result<void> create_floats(const vk::Device& device, uint64_t count, vk::Buffer& buffer) {
     auto created = vk::create_buffer(device, 4 * count, vk::kPointUsage, vk::MemoryUse::device);
@@ -135,26 +128,58 @@ Result<void> prepare_local_points(const LimnDevice& limn, const PatchTreeTable& 
     return {};
 }
 
-Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, GridLayout layout) {
+/// Floats from one sample to the next: a position and, behind it, what else is interleaved.
+uint32_t grid_stride(PatchTask task, GridLayout layout) {
+    if (task == PatchTask::derivatives) return 9;
+    return task == PatchTask::normals && layout == GridLayout::interleaved ? 6 : 3;
+}
+
+Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, PatchTask task, GridLayout layout) {
     const uint64_t count = frame.grid.sample_count();
     const bool separate = layout == GridLayout::separate;
-    const uint32_t stride = separate ? 3 : 6;
+    const uint32_t stride = grid_stride(task, layout);
     if (auto created = create_floats(limn.device, count * stride, frame.values); !created)
         return created.error();
     if (separate)
         if (auto created = create_floats(limn.device, count * stride, frame.normals); !created)
             return created.error();
-    auto surface = limn.evaluator.prepare_grid(
-        {.patches = &frame.patches,
-         .grid = &frame.grid,
-         .points = frame.bound_points(),
-         .values = {.buffer = frame.values.handle, .stride = stride},
-         .normals = {.buffer = separate ? frame.normals.handle : frame.values.handle,
-                     .first = separate ? 0u : 3u,
-                     .stride = stride}});
+    vk::GridEvaluationInfo info{
+        .patches = &frame.patches, .grid = &frame.grid, .points = frame.bound_points()};
+    const auto interleaved = [&](uint32_t first) {
+        return vk::PointBuffer{.buffer = frame.values.handle, .first = first, .stride = stride};
+    };
+    info.values = interleaved(0);
+    if (task == PatchTask::normals)
+        info.normals =
+            separate ? vk::PointBuffer{.buffer = frame.normals.handle, .stride = stride} : interleaved(3);
+    if (task == PatchTask::derivatives) {
+        info.du = interleaved(3);
+        info.dv = interleaved(6);
+    }
+    auto surface = limn.evaluator.prepare_grid(info);
     if (!surface) return surface.error();
     frame.surface.emplace(std::move(*surface));
     return {};
+}
+
+/// What the frame wrote, apart; empty where it cannot be read.
+PatchValues download_values(const Frame& frame, PatchTask task, GridLayout layout,
+                            std::span<const uint32_t> faces) {
+    const uint32_t stride = grid_stride(task, layout);
+    const std::vector<float> values = download_grid(frame, frame.values, stride, faces);
+    if (values.empty()) return {};
+    const size_t count = values.size() / stride;
+    const auto part = [&](size_t first) { return unpad_points(values.data() + first, count, stride); };
+    PatchValues out;
+    out.positions = part(0);
+    if (task == PatchTask::normals)
+        out.normals =
+            layout == GridLayout::separate ? download_grid(frame, frame.normals, stride, faces) : part(3);
+    if (task == PatchTask::derivatives) {
+        out.du = part(3);
+        out.dv = part(6);
+    }
+    return out;
 }
 
 }  // namespace
@@ -206,36 +231,39 @@ Result<PatchCandidate> make_limn_patch_eval_candidate(const LimnDevice& limn, co
 
 Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const PatchTable& table,
                                                 const std::vector<float>& positions, uint32_t rate,
-                                                GridLayout layout) {
+                                                PatchTask task, GridLayout layout) {
     const auto made = make_frame(limn, table, positions);
     if (!made) return made.error();
     const std::shared_ptr<Frame> frame = *made;
-    const auto grid = build_grid_table(table, {.rate = rate});
+    const auto grid = build_grid_table(table, {.rate = rate, .derivatives = task != PatchTask::points});
     if (!grid) return grid.error();
     auto uploaded = vk::upload_grid_table(limn.device, *grid);
     if (!uploaded) return uploaded.error();
     frame->grid = std::move(*uploaded);
-    if (auto prepared = prepare_grid(limn, *frame, layout); !prepared) return prepared.error();
+    if (auto prepared = prepare_grid(limn, *frame, task, layout); !prepared) return prepared.error();
 
-    const bool separate = layout == GridLayout::separate;
     const std::vector<uint32_t> faces = present_faces(table.ptex_surfaces);
-    const size_t count = faces.size() * frame->grid.samples_per_face;
-    auto candidate = make_candidate(limn, frame, separate ? "limn_separate" : "limn", count);
+    const uint64_t count = uint64_t{faces.size()} * frame->grid.samples_per_face;
+    auto candidate =
+        make_candidate(limn, frame, layout == GridLayout::separate ? "limn_separate" : "limn", count);
     if (!candidate) return candidate;
-    candidate->bytes += frame->grid.bytes() + uint64_t{2} * 12 * count;  // holes are not written
+    const uint64_t value_count = task == PatchTask::points ? 1 : task == PatchTask::normals ? 2 : 3;
+    candidate->bytes += frame->grid.bytes() + value_count * 12 * count;  // holes are not written
+    candidate->flops = grid_flops(table, *grid);
     candidate->note += ", " + megabytes(frame->grid.bytes()) + " grid";
-    candidate->values = [frame, faces, count, separate] {
-        const uint32_t stride = separate ? 3 : 6;
-        std::vector<float> values = download_grid(*frame, frame->values, stride, faces);
-        if (values.empty()) return PatchValues{};
-        if (separate)
-            return PatchValues{values, {}, {}, download_grid(*frame, frame->normals, stride, faces)};
-        return PatchValues{unpad_points(values.data(), count, stride),
-                           {},
-                           {},
-                           unpad_points(values.data() + 3, count, stride)};
-    };
+    candidate->values = [frame, faces, task, layout] { return download_values(*frame, task, layout, faces); };
     return candidate;
+}
+
+double grid_flops(const PatchTable& patches, const GridTable& grid) {
+    double terms = 0;
+    for (const GridSurface& surface : grid.surfaces) {
+        const GridClass& c = grid.classes[surface.grid_class];
+        terms += static_cast<double>(c.ring_size) * c.sample_count * grid.value_count;
+    }
+    for (const PointRun& run : patches.point_runs)
+        terms += static_cast<double>(run.row_count) * run.entry_count;
+    return 2 * 3 * terms;
 }
 
 PatchCandidate make_limn_host_patch_eval_candidate(const PatchTable& table,

@@ -33,9 +33,13 @@ PatchCandidate make_limn_host_patch_eval_candidate(const PatchTable& table,
 /// Where normals go: behind each position, or into a buffer of their own.
 enum class GridLayout { interleaved, separate };
 
-/// Position and normal at grids of this rate; values() in the order of grid_samples.
+/// Grids of this rate; values() in the order of grid_samples. Derivatives are interleaved.
 Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const PatchTable& table,
                                                 const std::vector<float>& positions, uint32_t rate,
-                                                GridLayout layout);
+                                                PatchTask task, GridLayout layout = GridLayout::interleaved);
+
+/// What a frame of grids computes: values of samples, derivatives where the table has them, and level-1
+/// points.
+double grid_flops(const PatchTable& patches, const GridTable& grid);
 
 }  // namespace limn::bench

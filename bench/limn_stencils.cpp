@@ -15,9 +15,29 @@ struct Frame {
     std::vector<vk::DeviceStencilTable> tables;
     std::vector<vk::Buffer> points;  ///< control points, then those of each table
     std::vector<vk::StencilEvaluation> evaluations;
+    vk::DeviceRefinedGrid grid;  ///< in place of tables
+    std::optional<vk::SurfaceEvaluation> refined;
     Timestamps timestamps;
     std::optional<vk::Commands> commands;
 };
+
+void end(Frame& frame, vk::Commands commands) {
+    vk::record_barrier(frame.device, commands, vk::kKernelWrites, vk::kCopyReads);
+    frame.timestamps.record_end(commands);
+    frame.commands.emplace(std::move(commands));
+}
+
+/// How the candidate runs the frame, and reads `count` points of its last buffer.
+void finish(const std::shared_ptr<Frame>& frame, uint32_t width, size_t count, Candidate& candidate) {
+    candidate.is_limn = true;
+    candidate.frame = [frame] { return frame->commands->submit_and_wait().has_value(); };
+    if (frame->timestamps.available())
+        candidate.device_milliseconds = [frame] { return frame->timestamps.milliseconds(); };
+    candidate.points = [frame, width, count] {
+        const auto values = vk::download<float>(frame->device, frame->points.back(), width * count);
+        return values ? unpad_points(values->data(), count, width) : std::vector<float>{};
+    };
+}
 
 }  // namespace
 
@@ -59,7 +79,6 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
                                       const std::vector<float>& positions, uint32_t width) {
     const auto frame = std::make_shared<Frame>(device);
     Candidate candidate;
-    candidate.is_limn = true;
     auto source = vk::create_point_buffer(device, pad_points(positions, width));
     if (!source) return source.error();
     frame->points.push_back(std::move(*source));
@@ -75,6 +94,7 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
         frame->tables.push_back(std::move(*uploaded));
         frame->points.push_back(std::move(*points));
     }
+    candidate.flops = 2.0 * width * static_cast<double>(candidate.entry_count);
     auto commands = vk::Commands::begin(device);
     if (!commands) return commands.error();
     frame->timestamps.record_begin(*commands);
@@ -91,20 +111,45 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
         dispatch_count += evaluation->dispatch_count();
         frame->evaluations.push_back(std::move(*evaluation));
     }
-    vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kCopyReads);
-    frame->timestamps.record_end(*commands);
-    frame->commands.emplace(std::move(*commands));
+    end(*frame, std::move(*commands));
 
     candidate.name =
         std::string("limn") + (tables.size() == 1 ? "_composed" : "_chain") + (width == 4 ? "_xyzw" : "");
     candidate.dispatch_count = dispatch_count;
-    candidate.frame = [frame] { return frame->commands->submit_and_wait().has_value(); };
-    if (frame->timestamps.available())
-        candidate.device_milliseconds = [frame] { return frame->timestamps.milliseconds(); };
-    candidate.points = [frame, width, count = size_t{tables.back().row_count()}] {
-        const auto values = vk::download<float>(frame->device, frame->points.back(), width * count);
-        return values ? unpad_points(values->data(), count, width) : std::vector<float>{};
-    };
+    finish(frame, width, tables.back().row_count(), candidate);
+    return candidate;
+}
+
+Result<Candidate> make_limn_refined_grid_candidate(const vk::Device& device, const vk::SurfaceEvaluator& evaluator,
+                                                   const RefinedGridTable& table, const std::vector<float>& positions,
+                                                   uint32_t width) {
+    const auto frame = std::make_shared<Frame>(device);
+    auto uploaded = vk::upload_refined_grid_table(device, table);
+    auto source = vk::create_point_buffer(device, pad_points(positions, width));
+    auto points = vk::create_buffer(device, uint64_t{4} * width * table.point_count(), vk::kPointUsage, vk::MemoryUse::device);
+    if (!uploaded) return uploaded.error();
+    if (!source || !points) return (source ? points : source).error();
+    frame->grid = std::move(*uploaded);
+    frame->points.push_back(std::move(*source));
+    frame->points.push_back(std::move(*points));
+    auto refined = evaluator.prepare_refined({.table = &frame->grid,
+                                              .width = width,
+                                              .source = {.buffer = frame->points[0].handle, .stride = width},
+                                              .refined = {.buffer = frame->points[1].handle, .stride = width}});
+    if (!refined) return refined.error();
+    frame->refined.emplace(std::move(*refined));
+    auto commands = vk::Commands::begin(device);
+    if (!commands) return commands.error();
+    frame->timestamps.record_begin(*commands);
+    frame->refined->record(*commands);
+    end(*frame, std::move(*commands));
+
+    Candidate candidate;
+    candidate.name = std::string("limn_refined_grid") + (width == 4 ? "_xyzw" : "");
+    candidate.row_count = table.point_count();
+    candidate.bytes = frame->grid.bytes() + uint64_t{4} * width * (uint64_t{table.source_count} + table.point_count());
+    candidate.dispatch_count = frame->refined->dispatch_count();
+    finish(frame, width, table.point_count(), candidate);
     return candidate;
 }
 

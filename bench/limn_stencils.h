@@ -8,7 +8,7 @@
 #include "bench.h"
 #include "candidate.h"
 #include "limn/stencil_table.h"
-#include "limn/vulkan/evaluator.h"
+#include "limn/vulkan/surface_evaluator.h"
 
 namespace limn::bench {
 
@@ -24,5 +24,10 @@ Result<double> measure_device_copy(const Options& options, const vk::Device& dev
 Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evaluator& evaluator,
                                       std::span<const StencilTable> tables,
                                       const std::vector<float>& positions, uint32_t width);
+
+/// The same points from a refined grid.
+Result<Candidate> make_limn_refined_grid_candidate(const vk::Device& device, const vk::SurfaceEvaluator& evaluator,
+                                                   const RefinedGridTable& table, const std::vector<float>& positions,
+                                                   uint32_t width);
 
 }  // namespace limn::bench

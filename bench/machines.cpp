@@ -1,18 +1,16 @@
 #include "machines.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <thread>
 
+#include "host.h"
 #include "limn_stencils.h"
 
 namespace limn::bench {
 namespace {
 
 std::string gigabytes(double rate) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f GB/s", rate / 1e9);
-    return text;
+    return format("%.1f GB/s", rate / 1e9);
 }
 
 }  // namespace
@@ -30,11 +28,25 @@ Machines open_machines(const Options& options) {
     return machines;
 }
 
-Report::Facts Machines::facts() const {
-    return {{"device", device_description(device())},
-            {"peer GL", gl ? gl->description() : "n/a: " + gl.error().message},
-            {"copies", "device " + gigabytes(copy.device) + ", one core " + gigabytes(copy.host) +
-                           ", all cores " + gigabytes(copy.host_all_cores) + ", GL " + gigabytes(copy.gl)}};
+ReportData Machines::header(bool quick) const {
+    ReportData data;
+    data.cache_bytes = last_level_cache_bytes();
+    data.device_copy_rate = copy.device;
+    data.quick = quick;
+    data.facts = {
+        {"device", device_description(device())},
+        {"peer GL", gl ? gl->description() : "n/a: " + gl.error().message},
+        {"copies", "device " + gigabytes(copy.device) + ", one core " + gigabytes(copy.host) +
+                       ", all cores " + gigabytes(copy.host_all_cores) + ", GL " + gigabytes(copy.gl)},
+        {"host", processor_name()},
+        {"cores", std::to_string(std::thread::hardware_concurrency())},
+        {"cache", data.cache_bytes != 0
+                      ? format("%.4g MiB, last level", static_cast<double>(data.cache_bytes) / (1 << 20))
+                      : "unknown"},
+        {"compiler", compiler_name()},
+        {"commit", commit_name()},
+        {"date", date_text()}};
+    return data;
 }
 
 }  // namespace limn::bench

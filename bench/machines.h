@@ -5,6 +5,7 @@
 #include "bench.h"
 #include "limn/vulkan/context.h"
 #include "osd_gl.h"
+#include "report.h"
 
 namespace limn::bench {
 
@@ -16,8 +17,8 @@ struct Machines {
     } copy;
 
     const vk::Device& device() const { return context.device(); }
-    /// Lines for the header of a report.
-    Report::Facts facts() const;
+    /// What a report says before its rows.
+    ReportData header(bool quick) const;
 };
 
 /// Fails without a Vulkan device.

@@ -1,5 +1,6 @@
 #include "models.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -42,7 +43,7 @@ struct Chain {
 
 /// Some quads get a smaller one inside, whose corners have valence 3, which makes their own corners valence 5.
 template <class HasInset>
-Model make_creased_torus(const Torus& torus, const HasInset& has_inset, const std::vector<Chain>& chains) {
+Model make_uneven_torus(const Torus& torus, const HasInset& has_inset) {
     Model model;
     torus.add_vertices(model);
     for (uint32_t i = 0; i < torus.around; ++i)
@@ -69,6 +70,12 @@ Model make_creased_torus(const Torus& torus, const HasInset& has_inset, const st
             for (uint32_t c = 0; c < 4; ++c)
                 add_face(model, {outer[c], outer[(c + 1) % 4], inner[(c + 1) % 4], inner[c]});
         }
+    return model;
+}
+
+template <class HasInset>
+Model make_creased_torus(const Torus& torus, const HasInset& has_inset, const std::vector<Chain>& chains) {
+    Model model = make_uneven_torus(torus, has_inset);
     for (const Chain& chain : chains) {
         for (uint32_t j = 0; j <= torus.across; ++j)
             model.crease_vertices.push_back(torus.vertex(chain.column, j));
@@ -78,12 +85,16 @@ Model make_creased_torus(const Torus& torus, const HasInset& has_inset, const st
     return model;
 }
 
-/// Every 13th quad is another one; four chains: semi-sharp, beyond the level that is measured, and infinite.
+bool is_13th(uint32_t cell) {
+    return cell % 13 == 0;
+}
+
+/// Every 13th quad has one inside; four chains: semi-sharp, beyond the level that is measured, and infinite.
 Model make_creased_torus(const Torus& torus) {
     const float sharpness[] = {1.5f, 2.5f, 6.0f, kInfiniteSharpness};
     std::vector<Chain> chains;
     for (uint32_t c = 0; c < 4; ++c) chains.push_back({c * torus.around / 4, sharpness[c]});
-    return make_creased_torus(torus, [](uint32_t cell) { return cell % 13 == 0; }, chains);
+    return make_creased_torus(torus, is_13th, chains);
 }
 
 /// A quad, or two triangles instead.
@@ -199,10 +210,15 @@ double noise(uint64_t i) {
 
 std::vector<BenchModel> load_models(const Options& options) {
     std::vector<BenchModel> models;
-    for (const std::string& path : options.models)
-        models.push_back(finish(options, stem(path), value_or_fail(options, read_obj(path))));
+    for (const std::string& path : options.models) {
+        std::string name = stem(path);
+        while (std::any_of(models.begin(), models.end(), [&](const BenchModel& m) { return m.name == name; }))
+            name += "_";  // names tell rows apart
+        models.push_back(finish(options, name, value_or_fail(options, read_obj(path))));
+    }
     if (!options.models.empty()) return models;
     models.push_back(finish(options, "torus_1k", make_creased_torus({48, 24})));
+    if (options.quick) return models;
     models.push_back(finish(options, "torus_9k", make_creased_torus({120, 58})));
     models.push_back(finish(options, "messy_6k", make_messy_torus({84, 64})));
     return models;
@@ -216,21 +232,36 @@ BenchModel make_random_torus(uint32_t around, uint32_t across, uint64_t seed) {
         chains.push_back({i + static_cast<uint32_t>(8 * random(2 * i)),
                           sharpness[static_cast<uint32_t>(8 * random(2 * i + 1))]});
     const auto has_inset = [&](uint32_t cell) { return 13 * random(cell + 1'000'000) < 1; };
-    return finish({}, "torus", make_creased_torus({around, across}, has_inset, chains));
+    return finish({}, "torus", make_creased_torus(Torus{around, across}, has_inset, chains));
 }
 
-BenchModel make_million_quads() {
-    constexpr uint32_t kSide = 1000;
+BenchModel make_quads(std::string name, uint32_t side) {
     Model model;
-    for (uint32_t i = 0; i <= kSide; ++i)
-        for (uint32_t j = 0; j <= kSide; ++j)
-            add_vertex(model, i / 1000.0, j / 1000.0, 0.01 * noise(i * (kSide + 1) + j));
-    for (uint32_t i = 0; i < kSide; ++i)
-        for (uint32_t j = 0; j < kSide; ++j) {
-            const uint32_t v = i * (kSide + 1) + j;
-            add_face(model, {v, v + kSide + 1, v + kSide + 2, v + 1});
+    for (uint32_t i = 0; i <= side; ++i)
+        for (uint32_t j = 0; j <= side; ++j)
+            add_vertex(model, i / 1000.0, j / 1000.0, 0.01 * noise(i * (side + 1) + j));
+    for (uint32_t i = 0; i < side; ++i)
+        for (uint32_t j = 0; j < side; ++j) {
+            const uint32_t v = i * (side + 1) + j;
+            add_face(model, {v, v + side + 1, v + side + 2, v + 1});
         }
-    return finish({}, "million_quads", std::move(model));
+    return finish({}, std::move(name), std::move(model));
+}
+
+BenchModel make_cube() {
+    Model model;
+    for (uint32_t i = 0; i < 8; ++i) add_vertex(model, i & 1, i >> 1 & 1, i >> 2);
+    const uint32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                  {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (const auto& face : faces) add_face(model, {face[0], face[1], face[2], face[3]});
+    return finish({}, "cube", std::move(model));
+}
+
+BenchModel make_smooth_torus(std::string name, uint32_t faces) {
+    const double quads = faces * 13.0 / 17;  // every 13th becomes five
+    const auto across = static_cast<uint32_t>(std::sqrt(quads / 2));
+    const auto around = static_cast<uint32_t>(quads / across);
+    return finish({}, std::move(name), make_uneven_torus(Torus{around, across}, is_13th));
 }
 
 }  // namespace limn::bench

@@ -114,6 +114,13 @@ double GlContext::measure_copy(const Options& options) const {
 Result<Candidate> make_osd_gl_candidate(const GlContext&, const std::shared_ptr<const OsdTable>& table,
                                         const std::vector<float>& positions, uint32_t width,
                                         double copy_rate) {
+    GLint64 most_bytes = 0;  // one less than a power of two on some drivers
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most_bytes);
+    const uint64_t buffer_bytes =
+        4 * std::max(table->entry_count(), width * (table->control_count + table->row_count()));
+    if (buffer_bytes > static_cast<uint64_t>(most_bytes) + 1)
+        return Error{ErrorCode::unsupported,
+                     "a buffer of " + megabytes(buffer_bytes) + ", more than GL binds"};
     struct Frame {
         std::unique_ptr<Osd::GLVertexBuffer> points;  // control points, then the points of all rows
         std::unique_ptr<Osd::GLStencilTableSSBO> table;

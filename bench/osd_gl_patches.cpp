@@ -36,8 +36,8 @@ std::vector<float> read(Osd::GLVertexBuffer& buffer, size_t count, uint32_t widt
     return unpad_points(values.data(), count, width);
 }
 
-std::shared_ptr<Frame> make_frame(const OsdPlaces& places, const std::vector<float>& positions,
-                                  uint32_t width) {
+std::shared_ptr<Frame> make_frame(PatchTask task, const OsdPlaces& places,
+                                  const std::vector<float>& positions, uint32_t width) {
     const OsdPatches& patches = *places.patches;
     const int w = static_cast<int>(width), place_count = static_cast<int>(places.places.size());
     const Osd::BufferDescriptor from(0, w, w), to(w * static_cast<int>(patches.control_count), w, w);
@@ -50,7 +50,8 @@ std::shared_ptr<Frame> make_frame(const OsdPlaces& places, const std::vector<flo
     frame->stencils.reset(Osd::GLStencilTableSSBO::Create(patches.stencils.get()));
     frame->patches.reset(Osd::GLPatchTable::Create(patches.patches.get()));
     frame->stencil_evaluator.reset(Osd::GLComputeEvaluator::Create(from, to, none, none));
-    frame->patch_evaluator.reset(Osd::GLComputeEvaluator::Create(from, from, from, from));
+    const Osd::BufferDescriptor derivative = task == PatchTask::points ? none : from;
+    frame->patch_evaluator.reset(Osd::GLComputeEvaluator::Create(from, from, derivative, derivative));
     if (!frame->complete()) return nullptr;
     const std::vector<float> padded = pad_points(positions, width);
     frame->points->UpdateData(padded.data(), 0, static_cast<int>(patches.control_count));
@@ -61,18 +62,18 @@ std::shared_ptr<Frame> make_frame(const OsdPlaces& places, const std::vector<flo
 
 }  // namespace
 
-Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext&,
+Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext&, PatchTask task,
                                                    const std::shared_ptr<const OsdPlaces>& places,
                                                    const std::vector<float>& positions, uint32_t width,
                                                    double copy_rate) {
     const uint64_t most = kGroupSize * kMaxGroups;
     if (places->places.size() > most || places->patches->stencil_count() > most)
         return Error{ErrorCode::unsupported, "more than one dispatch of OpenSubdiv's GL evaluator"};
-    const auto frame = make_frame(*places, positions, width);
+    const auto frame = make_frame(task, *places, positions, width);
     if (frame == nullptr)
         return Error{ErrorCode::unsupported, "OpenSubdiv's GL compute evaluator cannot be made"};
 
-    PatchCandidate candidate = describe_osd_patch_candidate("gl", *places, width);
+    PatchCandidate candidate = describe_osd_patch_candidate("gl", task, *places, width);
     candidate.copy_rate = copy_rate;
     candidate.dispatch_count = 2;
     candidate.frame = [=] {
@@ -84,16 +85,22 @@ Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext&,
                                                     frame->stencils.get()))
             return false;
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-        if (!frame->patch_evaluator->EvalPatches(
-                frame->points.get(), from, position.get(), from, du.get(), from, dv.get(), from,
-                static_cast<int>(places->places.size()), frame->places.get(), frame->patches.get()))
-            return false;
+        const int count = static_cast<int>(places->places.size());
+        const bool done =
+            task == PatchTask::points
+                ? frame->patch_evaluator->EvalPatches(frame->points.get(), from, position.get(), from, count,
+                                                      frame->places.get(), frame->patches.get())
+                : frame->patch_evaluator->EvalPatches(frame->points.get(), from, position.get(), from,
+                                                      du.get(), from, dv.get(), from, count,
+                                                      frame->places.get(), frame->patches.get());
+        if (!done) return false;
         Osd::GLComputeEvaluator::Synchronize(nullptr);
         return glGetError() == GL_NO_ERROR;
     };
     candidate.values = [=] {
         const auto& [position, du, dv] = frame->values;
         const size_t count = places->places.size();
+        if (task == PatchTask::points) return PatchValues{read(*position, count, width), {}, {}, {}};
         return PatchValues{
             read(*position, count, width), read(*du, count, width), read(*dv, count, width), {}};
     };

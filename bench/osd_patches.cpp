@@ -46,12 +46,16 @@ std::unique_ptr<const Far::StencilTable> build_stencils(const Far::TopologyRefin
 using Descriptor = Osd::BufferDescriptor;
 using EvalStencils = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, const int*,
                               const int*, const int*, const float*, int, int);
+using EvalPoints = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, int,
+                            const Osd::PatchCoord*, const Osd::PatchArray*, const int*,
+                            const Osd::PatchParam*);
 using EvalPatches = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, float*,
                              const Descriptor&, float*, const Descriptor&, int, const Osd::PatchCoord*,
                              const Osd::PatchArray*, const int*, const Osd::PatchParam*);
 
 struct Evaluator {
     EvalStencils stencils;
+    EvalPoints points;
     EvalPatches patches;
 };
 
@@ -108,39 +112,49 @@ std::vector<double> osd_patch_points(const OsdPatches& patches, std::span<const 
     return values;
 }
 
-PatchCandidate describe_osd_patch_candidate(const std::string& what, const OsdPlaces& places,
+PatchCandidate describe_osd_patch_candidate(const std::string& what, PatchTask task, const OsdPlaces& places,
                                             uint32_t width) {
     const OsdPatches& patches = *places.patches;
     PatchCandidate candidate;
     candidate.name = "osd_" + what + (width == 4 ? "_xyzw" : "");
     candidate.sample_count = places.places.size();
-    // Stencils read control points and write all others; patches read both and write three values.
-    const uint64_t values = patches.point_count() + patches.point_count() + 3 * candidate.sample_count;
+    const uint64_t value_count = task == PatchTask::points ? 1 : 3;
+    // Stencils read control points and write all others; patches read both and write all values.
+    const uint64_t values =
+        patches.point_count() + patches.point_count() + value_count * candidate.sample_count;
+    uint64_t terms = patches.stencils->GetWeights().size();
+    for (const Osd::PatchCoord& place : places.places)
+        terms += value_count * static_cast<uint64_t>(patches.patches->GetPatchVertices(place.handle).size());
+    candidate.flops = 2.0 * width * static_cast<double>(terms);
     candidate.bytes =
         patches.bytes() + sizeof(Osd::PatchCoord) * candidate.sample_count + uint64_t{4} * width * values;
     return candidate;
 }
 
-PatchCandidate make_osd_patch_candidate(OsdEvaluator kind, const std::shared_ptr<const OsdPlaces>& places,
+PatchCandidate make_osd_patch_candidate(OsdEvaluator kind, PatchTask task,
+                                        const std::shared_ptr<const OsdPlaces>& places,
                                         const std::vector<float>& positions, uint32_t width,
                                         double copy_rate) {
     const bool omp = kind == OsdEvaluator::omp;
-    PatchCandidate candidate = describe_osd_patch_candidate(omp ? "omp" : "cpu", *places, width);
+    PatchCandidate candidate = describe_osd_patch_candidate(omp ? "omp" : "cpu", task, *places, width);
     candidate.copy_rate = copy_rate;
     if (omp) Osd::OmpEvaluator::SetNumThreads(static_cast<int>(std::thread::hardware_concurrency()));
     const Evaluator evaluator =
-        omp ? Evaluator{Osd::OmpEvaluator::EvalStencils, Osd::OmpEvaluator::EvalPatches}
-            : Evaluator{Osd::CpuEvaluator::EvalStencils, Osd::CpuEvaluator::EvalPatches};
+        omp ? Evaluator{Osd::OmpEvaluator::EvalStencils, Osd::OmpEvaluator::EvalPatches,
+                        Osd::OmpEvaluator::EvalPatches}
+            : Evaluator{Osd::CpuEvaluator::EvalStencils, Osd::CpuEvaluator::EvalPatches,
+                        Osd::CpuEvaluator::EvalPatches};
     struct Frame {
         Osd::CpuPatchTable table;
         std::vector<float> points;     // control points, then the points of all rows
-        std::vector<float> values[3];  // position, du, dv
+        std::vector<float> values[3];  // position, du, dv where they are wanted
     };
+    const size_t value_count = task == PatchTask::points ? 1 : 3;
     const OsdPatches& patches = *places->patches;
     const auto frame = std::make_shared<Frame>(
         Frame{Osd::CpuPatchTable(patches.patches.get()), pad_points(positions, width), {}});
     frame->points.resize(width * patches.point_count());
-    for (auto& values : frame->values) values.resize(width * places->places.size());
+    for (size_t k = 0; k < value_count; ++k) frame->values[k].resize(width * places->places.size());
     candidate.frame = [=] {
         const auto& stencils = *places->patches->stencils;
         const auto& table = frame->table;
@@ -149,17 +163,22 @@ PatchCandidate make_osd_patch_candidate(OsdEvaluator kind, const std::shared_ptr
         const Osd::BufferDescriptor from(0, w, w),
             to(w * static_cast<int>(places->patches->control_count), w, w);
         float* points = frame->points.data();
-        return evaluator.stencils(points, from, points, to, stencils.GetSizes().data(),
-                                  stencils.GetOffsets().data(), stencils.GetControlIndices().data(),
-                                  stencils.GetWeights().data(), 0, stencils.GetNumStencils()) &&
-               evaluator.patches(points, from, position.data(), from, du.data(), from, dv.data(), from,
-                                 static_cast<int>(places->places.size()), places->places.data(),
-                                 table.GetPatchArrayBuffer(), table.GetPatchIndexBuffer(),
-                                 table.GetPatchParamBuffer());
+        if (!evaluator.stencils(points, from, points, to, stencils.GetSizes().data(),
+                                stencils.GetOffsets().data(), stencils.GetControlIndices().data(),
+                                stencils.GetWeights().data(), 0, stencils.GetNumStencils()))
+            return false;
+        const int count = static_cast<int>(places->places.size());
+        if (task == PatchTask::points)
+            return evaluator.points(points, from, position.data(), from, count, places->places.data(),
+                                    table.GetPatchArrayBuffer(), table.GetPatchIndexBuffer(),
+                                    table.GetPatchParamBuffer());
+        return evaluator.patches(points, from, position.data(), from, du.data(), from, dv.data(), from, count,
+                                 places->places.data(), table.GetPatchArrayBuffer(),
+                                 table.GetPatchIndexBuffer(), table.GetPatchParamBuffer());
     };
     candidate.values = [=] {
         const auto unpadded = [&](const std::vector<float>& values) {
-            return unpad_points(values.data(), places->places.size(), width);
+            return unpad_points(values.data(), values.size() / width, width);
         };
         return PatchValues{
             unpadded(frame->values[0]), unpadded(frame->values[1]), unpadded(frame->values[2]), {}};

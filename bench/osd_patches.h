@@ -61,24 +61,26 @@ struct OsdPlaces {
     std::vector<OpenSubdiv::Osd::PatchCoord> places;
 };
 
-/// A frame is stencils, then position, du and dv at each place. `width`: 3, or 4 with padding.
-PatchCandidate make_osd_patch_candidate(OsdEvaluator evaluator,
+/// A frame is stencils, then position and, but for PatchTask::points, du and dv at each place. `width`: 3, or
+/// 4 with padding.
+PatchCandidate make_osd_patch_candidate(OsdEvaluator evaluator, PatchTask task,
                                         const std::shared_ptr<const OsdPlaces>& places,
                                         const std::vector<float>& positions, uint32_t width,
                                         double copy_rate);
 
 /// Name and counts; `what`: cpu, omp or gl.
-PatchCandidate describe_osd_patch_candidate(const std::string& what, const OsdPlaces& places, uint32_t width);
+PatchCandidate describe_osd_patch_candidate(const std::string& what, PatchTask task, const OsdPlaces& places,
+                                            uint32_t width);
 
 #if defined(LIMN_HAVE_OPENSUBDIV_GL)
 /// The context must outlive the candidate. Errors: unsupported (a kernel that does not compile; more places
 /// than one dispatch of OpenSubdiv's can have).
-Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext& context,
+Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext& context, PatchTask task,
                                                    const std::shared_ptr<const OsdPlaces>& places,
                                                    const std::vector<float>& positions, uint32_t width,
                                                    double copy_rate);
 #else
-inline Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext&,
+inline Result<PatchCandidate> make_osd_gl_patch_candidate(const GlContext&, PatchTask,
                                                           const std::shared_ptr<const OsdPlaces>&,
                                                           const std::vector<float>&, uint32_t, double) {
     return GlContext::create().error();

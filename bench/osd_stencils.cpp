@@ -23,6 +23,7 @@ Candidate describe_osd_candidate(const std::string& what, const OsdTable& table,
         "osd_" + what + (table.passes.size() > 1 ? "_chain" : "_composed") + (width == 4 ? "_xyzw" : "");
     candidate.row_count = table.row_count();
     candidate.entry_count = table.entry_count();
+    candidate.flops = 2.0 * width * static_cast<double>(table.entry_count());
     candidate.bytes = table.bytes() + uint64_t{4} * width * table.moved_points();
     return candidate;
 }

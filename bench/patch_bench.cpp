@@ -45,21 +45,26 @@ Vector normal_of(const Vector& du, const Vector& dv, double size) {
 
 }  // namespace
 
-PatchBench::PatchBench(const Options& options, const BenchModel& model, Report& report, std::string prefix,
+PatchBench::PatchBench(const Session& session, const BenchModel& model, Row row, PatchTask task,
                        const PatchTableDouble& table, std::vector<PatchSample> samples)
-    : options_(options),
+    : session_(session),
       model_(model),
-      report_(report),
-      prefix_(std::move(prefix)),
+      row_(std::move(row)),
+      task_(task),
       samples_(std::move(samples)),
-      truth_(evaluate_samples(table, samples_, model.positions, Derivatives::first)) {}
+      truth_(evaluate_samples(table, samples_, model.positions, Derivatives::first)) {
+    row_.model = model.name;
+    row_.faces = model.mesh.face_count();
+    row_.unit = "samples";
+    row_.items = static_cast<double>(samples_.size());
+}
 
 PatchBench::Difference PatchBench::compare(const PatchValues& values) const {
     const size_t count = samples_.size();
     const bool has_normals = !values.normals.empty();
-    if (values.positions.size() != 3 * count ||
-        (has_normals ? values.normals : values.du).size() != 3 * count ||
-        values.dv.size() != values.du.size())
+    const bool has_tangents = task_ != PatchTask::points;
+    if (values.positions.size() != 3 * count || values.dv.size() != values.du.size() ||
+        (has_tangents && (has_normals ? values.normals : values.du).size() != 3 * count))
         return {INFINITY, INFINITY, INFINITY};
     const double size = tolerance_for(model_.positions).size;
     Difference difference{};
@@ -70,6 +75,7 @@ PatchBench::Difference PatchBench::compare(const PatchValues& values) const {
                 std::abs(static_cast<double>(values.positions[3 * s + axis]) - truth_[9 * s + axis]) / size;
             difference.position = std::isfinite(d) ? std::max(difference.position, d) : INFINITY;
         }
+        if (!has_tangents) continue;
         const Vector truth = normal_of(vector_at(truth_, 3 * s + 1), vector_at(truth_, 3 * s + 2), size);
         if (length(truth) == 0) continue;
         const Vector normal = has_normals ? vector_at(values.normals, s)
@@ -94,87 +100,68 @@ void PatchBench::verify(const PatchCandidate& candidate, const Difference& diffe
                   ": positions are %.3g of the size off (allowed: %.3g), normals %.3g degrees",
                   difference.position, largest, difference.most_normals);
     if (!(difference.position <= largest) || !(difference.most_normals <= most_degrees))
-        fail(options_, {ErrorCode::unsupported, prefix_ + candidate.name + text});
+        fail(session_.options, {ErrorCode::unsupported, group_name(row_) + "/" + candidate.name + text});
 }
 
 void PatchBench::run(const PatchCandidate& candidate) {
-    if (!candidate.frame())
-        fail(options_, {ErrorCode::unsupported, prefix_ + candidate.name + ": cannot be evaluated"});
+    const Options& options = session_.options;
+    Row row = row_;
+    row.evaluator = candidate.name;
+    row.side = candidate.is_limn ? Side::limn : Side::peer;
+    if (!candidate.frame()) fail(options, {ErrorCode::unsupported, row_name(row) + ": cannot be evaluated"});
     const Difference difference = compare(candidate.values());
     verify(candidate, difference);
     std::vector<double> device;
-    const Timing timing = measure(options_, [&] {
+    row.timing = measure(options, [&] {
         const bool done = candidate.frame();
         if (candidate.device_milliseconds) device.push_back(candidate.device_milliseconds());
         return done;
     });
-    Row row{.name = prefix_ + candidate.name};
-    (candidate.is_limn ? row.limn : row.peer) = timing;
     if (!device.empty()) row.device = timing_of({device.begin() + 1, device.end()});  // without the warm-up
-    row.items = static_cast<double>(candidate.sample_count);
     row.bytes = static_cast<double>(candidate.bytes);
+    row.flops = candidate.flops;
     row.copy_rate = candidate.copy_rate;
-    char text[120];
-    std::snprintf(text, sizeof text, "off by %.1e of the size, normals by %.2g degrees (99.9 %%: %.2g)",
-                  difference.position, difference.normal, difference.most_normals);
-    row.note = text;
+    row.note = format("off by %.1e of the size", difference.position);
+    if (task_ != PatchTask::points)
+        row.note +=
+            format(", normals by %.2g degrees (99.9 %%: %.2g)", difference.normal, difference.most_normals);
     if (candidate.dispatch_count != 0)
         row.note += ", " + std::to_string(candidate.dispatch_count) + " dispatches";
     if (!candidate.note.empty()) row.note += ", " + candidate.note;
-    report_.add(row);
-    // limn's arithmetic on the host is there for comparison: best rows are about devices.
-    if (!candidate.is_limn || candidate.dispatch_count != 0)
-        measured_.push_back({candidate.name, candidate.is_limn, timing});
+    session_.report.add(row);
 }
 
-void PatchBench::add_missing(const std::string& name, bool is_limn, const std::string& why) {
-    Row row{.name = prefix_ + name, .note = why};
-    (is_limn ? row.limn : row.peer) = Timing{};
-    report_.add(row);
+void PatchBench::add_missing(const std::string& name, Side side, const std::string& why) {
+    Row row = row_;
+    row.evaluator = name;
+    row.side = side;
+    row.note = why;
+    session_.report.add(row);
 }
 
-void PatchBench::run_osd(const Machines& machines) {
+void PatchBench::run_osd(bool gl) {
+    const Machines& machines = session_.machines;
+    const auto& positions = model_.positions;
     const auto places = std::make_shared<OsdPlaces>();
     places->patches = build_osd_patches(OsdMesh(model_.mesh), kIsolationLevel);
     if (places->patches) places->places = find_osd_patches(*places->patches, samples_);
     if (places->places.size() != samples_.size())
-        fail(options_, {ErrorCode::unsupported, model_.name + ": OpenSubdiv has no patch at some place"});
+        fail(session_.options,
+             {ErrorCode::unsupported, model_.name + ": OpenSubdiv has no patch at some place"});
     for (const uint32_t width : {3u, 4u}) {
-        run(make_osd_patch_candidate(OsdEvaluator::cpu, places, model_.positions, width, machines.copy.host));
-        run(make_osd_patch_candidate(OsdEvaluator::omp, places, model_.positions, width,
+        run(make_osd_patch_candidate(OsdEvaluator::cpu, task_, places, positions, width, machines.copy.host));
+        run(make_osd_patch_candidate(OsdEvaluator::omp, task_, places, positions, width,
                                      machines.copy.host_all_cores));
-        const Result<PatchCandidate> gl =
+        if (!gl) continue;
+        const Result<PatchCandidate> candidate =
             machines.gl
-                ? make_osd_gl_patch_candidate(*machines.gl, places, model_.positions, width, machines.copy.gl)
+                ? make_osd_gl_patch_candidate(*machines.gl, task_, places, positions, width, machines.copy.gl)
                 : Result<PatchCandidate>(machines.gl.error());
-        if (gl)
-            run(*gl);
+        if (candidate)
+            run(*candidate);
         else
-            add_missing(describe_osd_patch_candidate("gl", *places, width).name, false, gl.error().message);
-    }
-}
-
-const PatchBench::Measured* PatchBench::find_best(bool is_limn, const char* prefix) const {
-    const Measured* best = nullptr;
-    for (const Measured& m : measured_)
-        if (m.is_limn == is_limn && m.timing.count != 0 && m.name.rfind(prefix, 0) == 0 &&
-            (best == nullptr || m.timing.median < best->timing.median))
-            best = &m;
-    return best;
-}
-
-void PatchBench::finish() {
-    const Measured* limn = find_best(true, "");
-    for (const auto& [name, peers] : {std::pair{"best_gl", "osd_gl"}, std::pair{"best", "osd"}}) {
-        const Measured* peer = find_best(false, peers);
-        if (peer == nullptr) continue;
-        Row row{.name = prefix_ + name, .peer = peer->timing, .note = peer->name};
-        if (limn != nullptr) {
-            row.limn = limn->timing;
-            row.note = limn->name + " / " + peer->name;
-        }
-        row.items = static_cast<double>(samples_.size());
-        report_.add(row);
+            add_missing(describe_osd_patch_candidate("gl", task_, *places, width).name, Side::peer,
+                        candidate.error().message);
     }
 }
 

@@ -9,7 +9,15 @@
 
 namespace limn::bench {
 
-/// x y z per sample, in the order of the samples. Either du and dv or normals, which need not have length 1.
+/// What a candidate makes of each sample.
+enum class PatchTask : uint8_t {
+    points,
+    normals,      ///< and points; OpenSubdiv has du and dv in place of normals
+    derivatives,  ///< du and dv, and points
+};
+
+/// x y z per sample, in the order of the samples. du and dv, or normals, which need not have length 1, or
+/// neither.
 struct PatchValues {
     std::vector<float> positions, du, dv, normals;
 };
@@ -20,6 +28,7 @@ struct PatchCandidate {
     uint64_t sample_count = 0;
     uint32_t dispatch_count = 0;  ///< 0 where it runs on the host
     uint64_t bytes = 0;           ///< tables, places, points read and written and results, once each
+    double flops = 0;             ///< multiply-adds, counted as two; 0: unknown
     double copy_rate = 0;         ///< bytes per second of a plain copy where it runs
     std::string note = {};        ///< for the table
     /// From the control points that lie where it wants them to the values of all samples; waits for the end.

@@ -1,16 +1,13 @@
 // Building what evaluators take, from the mesh in memory: limn's patch tables against OpenSubdiv's
-// feature-adaptive patches and stencils. And uploading limn's to a Vulkan device, where there is one.
+// feature-adaptive patches and stencils. And uploading limn's to a Vulkan device.
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
+#include <optional>
 
-#include "bench.h"
 #include "limn/vulkan/surface_tables.h"
-#include "limn_stencils.h"
-#include "models.h"
 #include "osd.h"
 #include "osd_patches.h"
 #include "patch_samples.h"
+#include "session.h"
 
 namespace limn::bench {
 namespace {
@@ -23,18 +20,11 @@ constexpr uint32_t kRefinedLevel = 2;
 
 struct Setup {
     const Options& options;
-    const vk::Device* device;  ///< null where there is none
+    const vk::Device& device;
     const BenchModel& model;
     Report& report;
     OsdMesh osd;
-    std::string prefix;
 };
-
-std::string megabytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f MB", static_cast<double>(bytes) / 1e6);
-    return text;
-}
 
 std::string peak_text(uint64_t peak) {
     return peak != 0 ? "peak " + megabytes(peak) : "peak n/a";
@@ -96,14 +86,12 @@ void verify(const Setup& setup) {
     double worst = verify_limits(setup, table, "the patch table");
     for (int i = 0; i < 2; ++i)
         worst = std::max(worst, verify_limits(setup, build(setup, &cache), "a cached patch table"));
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  "%s: %u faces, %zu ptex faces; within %.1e of the size of the limits at level %u; "
-                  "OpenSubdiv within %.1e at level %u, %.1e at level %u",
-                  setup.model.name.c_str(), setup.model.mesh.face_count(), table.ptex_surfaces.size(), worst,
-                  kRefinedLevel, verify_osd(setup, table, kLevel), kLevel,
-                  verify_osd(setup, table, kDeepLevel), kDeepLevel);
-    setup.report.add_text(text);
+    setup.report.add_finding(
+        format("patch_table/%s: %u faces, %zu ptex faces; within %.1e of the size of the limits at level %u; "
+               "OpenSubdiv within %.1e at level %u, %.1e at level %u",
+               setup.model.name.c_str(), setup.model.mesh.face_count(), table.ptex_surfaces.size(), worst,
+               kRefinedLevel, verify_osd(setup, table, kLevel), kLevel, verify_osd(setup, table, kDeepLevel),
+               kDeepLevel));
 }
 
 struct Built {
@@ -112,8 +100,7 @@ struct Built {
 };
 
 std::string device_bytes(const Setup& setup, const PatchTable& table) {
-    if (setup.device == nullptr) return "";
-    const auto uploaded = value_or_fail(setup.options, vk::upload_patch_table(*setup.device, table));
+    const auto uploaded = value_or_fail(setup.options, vk::upload_patch_table(setup.device, table));
     return " (" + megabytes(uploaded.bytes()) + " on the device)";
 }
 
@@ -137,7 +124,7 @@ Timing measure_upload(const Setup& setup, const PlanCache* cache) {
         setup.options,
         [&] {
             table.emplace(
-                value_or_fail(setup.options, vk::upload_patch_table(*setup.device, build(setup, cache))));
+                value_or_fail(setup.options, vk::upload_patch_table(setup.device, build(setup, cache))));
             return true;
         },
         [&] { table.reset(); });
@@ -156,59 +143,44 @@ Built measure_osd(const Setup& setup, uint32_t level) {
     return built;
 }
 
-void add_row(const Setup& setup, const char* name, const Built& limn, const Built& osd) {
-    setup.report.add({.name = setup.prefix + name,
-                      .limn = limn.timing,
-                      .peer = osd.timing,
+void add_row(const Setup& setup, const char* task, const char* evaluator, Side side, const Built& built) {
+    setup.report.add({.scenario = "patch_table",
+                      .model = setup.model.name,
+                      .faces = setup.model.mesh.face_count(),
+                      .task = task,
+                      .evaluator = evaluator,
+                      .side = side,
+                      .timing = built.timing,
                       .items = static_cast<double>(setup.model.mesh.face_count()),
-                      .note = limn.note + " / " + osd.note});
+                      .unit = "faces",
+                      .note = built.note});
 }
 
-void add_upload_row(const Setup& setup, const char* name, const PlanCache* cache) {
-    if (setup.device == nullptr) return;
-    setup.report.add({.name = setup.prefix + name,
-                      .limn = measure_upload(setup, cache),
-                      .items = static_cast<double>(setup.model.mesh.face_count()),
-                      .note = "built and uploaded"});
-}
-
-void bench_model(const Options& options, const vk::Device* device, const BenchModel& model, Report& report) {
-    const Setup setup{options, device, model, report, OsdMesh(model.mesh), "patch_table/" + model.name + "/"};
+void bench_model(const Session& session, const BenchModel& model) {
+    show_progress(session.options, "patch_table " + model.name);
+    const Setup setup{session.options, session.machines.device(), model, session.report, OsdMesh(model.mesh)};
     verify(setup);
-    const Built osd = measure_osd(setup, kLevel);
-    const Built cold = measure_limn(setup, nullptr);
-    add_row(setup, "cold", cold, osd);
-    add_upload_row(setup, "cold_upload", nullptr);
-    {
-        const PlanCache cache;
-        build(setup, &cache);
-        add_row(setup, "warm", measure_limn(setup, &cache), osd);
-        add_upload_row(setup, "warm_upload", &cache);
-    }
-    add_row(setup, "cold_peer_level=6", cold, measure_osd(setup, kDeepLevel));
+    const Built osd = measure_osd(setup, kLevel), deep = measure_osd(setup, kDeepLevel);
+    const auto add_task = [&](const char* task, const Built& limn) {
+        add_row(setup, task, "limn", Side::limn, limn);
+        add_row(setup, task, "osd_far_level3", Side::peer, osd);
+        add_row(setup, task, "osd_far_level6", Side::peer, deep);
+    };
+    const auto add_upload = [&](const char* task, const PlanCache* cache) {
+        add_row(setup, task, "limn", Side::limn, {measure_upload(setup, cache), "built and uploaded"});
+    };
+    add_task("cold", measure_limn(setup, nullptr));
+    add_upload("cold_upload", nullptr);
+    const PlanCache cache;
+    build(setup, &cache);
+    add_task("warm", measure_limn(setup, &cache));
+    add_upload("warm_upload", &cache);
 }
 
 }  // namespace
-}  // namespace limn::bench
 
-int main(int argc, char** argv) {
-    using namespace limn;
-    using namespace limn::bench;
-    const Options options = parse_options(argc, argv, vk::kAutomaticDevice, vk::kCpuDevice);
-    const std::vector<BenchModel> models = load_models(options);
-    const auto context = vk::Context::create({.device_index = options.device_index, .validation = false});
-    // Only uploads need a device; one that is asked for must be there.
-    const bool optional = options.device_index == vk::kAutomaticDevice;
-    if (!context && !(optional && context.error().code == ErrorCode::no_device))
-        fail(options, context.error());
-    const vk::Device* const device = context ? &context->device() : nullptr;
-    Report report(
-        options, "patch_table",
-        {{"device", device != nullptr ? device_description(*device) : "n/a: " + context.error().message},
-         {"peer", "OpenSubdiv Far, which uses one thread, at isolation level 3 (cold_peer_level=6: at 6)"},
-         {"warm", "limn with a cache that holds the plans"}},
-        "faces");
-    for (const BenchModel& model : models) bench_model(options, device, model, report);
-    value_or_fail(options, report.finish());
-    return 0;
+void bench_patch_table(const Session& session) {
+    for (const BenchModel& model : session.models) bench_model(session, model);
 }
+
+}  // namespace limn::bench

@@ -1,11 +1,8 @@
 // Building: refined topology and stencil tables, against OpenSubdiv's Far.
-#include <algorithm>
-#include <cstdio>
-
-#include "bench.h"
+#include "limn/refined_grid.h"
 #include "limn/stencil_table.h"
-#include "models.h"
 #include "osd.h"
+#include "session.h"
 
 namespace limn::bench {
 namespace {
@@ -17,30 +14,32 @@ struct Setup {
     const BenchModel& model;
     Report& report;
     OsdMesh osd;
-    std::string prefix;
+    uint32_t level;
 };
 
-std::string megabytes(uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / 1e6);
-    return text;
+/// A row of this model: building takes one thread of OpenSubdiv's.
+Row row_of(const Setup& setup, const char* task, Side side) {
+    return {.scenario = "refine",
+            .model = setup.model.name,
+            .faces = setup.model.mesh.face_count(),
+            .parameters = {{"level", setup.level}},
+            .task = task,
+            .evaluator = side == Side::limn ? "limn" : "osd_far",
+            .side = side,
+            .unit = "rows"};
 }
 
 /// "peak 1.05 x" of a table; n/a where the system does not tell.
 std::string peak_text(uint64_t peak, uint64_t table) {
-    char text[32] = "peak n/a";
-    if (peak != 0 && table != 0)
-        std::snprintf(text, sizeof text, "peak %.2f x",
-                      static_cast<double>(peak) / static_cast<double>(table));
-    return text;
+    if (peak == 0 || table == 0) return "peak n/a";
+    return format("peak %.2f x", static_cast<double>(peak) / static_cast<double>(table));
 }
 
 void check(const Setup& setup, const char* what, double difference, double tolerance) {
     if (difference <= tolerance) return;
-    char text[160];
-    std::snprintf(text, sizeof text, "%s: the points of %s differ by %.3g from OpenSubdiv's, more than %.3g",
-                  setup.model.name.c_str(), what, difference, tolerance);
-    fail(setup.options, Error{ErrorCode::unsupported, text});
+    fail(setup.options, Error{ErrorCode::unsupported,
+                              format("%s: the points of %s differ by %.3g from OpenSubdiv's, more than %.3g",
+                                     setup.model.name.c_str(), what, difference, tolerance)});
 }
 
 template <class Real>
@@ -79,126 +78,143 @@ double verify(const Setup& setup, uint32_t level) {
 }
 
 /// Topology of all levels, from the control mesh.
-void bench_topology(const Setup& setup, uint32_t level) {
+void bench_topology(const Setup& setup) {
     std::optional<Refinement> refinement;
     OsdRefiner refiner;
-    Row row{.name = setup.prefix + "topology"};
-    row.limn = measure(
+    Row limn = row_of(setup, "topology", Side::limn), osd = row_of(setup, "topology", Side::peer);
+    limn.timing = measure(
         setup.options,
         [&] {
-            refinement = value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = level}));
+            refinement =
+                value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = setup.level}));
             return true;
         },
         [&] { refinement.reset(); });
-    row.items = refinement->last().vertex_count;
-    row.peer = measure(
-        setup.options, [&] { return (refiner = setup.osd.refine(level)) != nullptr; },
+    limn.items = osd.items = refinement->last().vertex_count;
+    limn.note = "build_refinement";
+    setup.report.add(limn);
+    osd.timing = measure(
+        setup.options, [&] { return (refiner = setup.osd.refine(setup.level)) != nullptr; },
         [&] { refiner.reset(); });
-    row.note = "build_refinement / Create + RefineUniform";
-    setup.report.add(row);
+    osd.note = "Create + RefineUniform";
+    setup.report.add(osd);
+}
+
+/// Adds up rows and bytes of what was built.
+uint64_t count_tables(const std::vector<StencilTable>& tables, Row& row) {
+    uint64_t bytes = 0;
+    for (const StencilTable& table : tables) {
+        row.items += table.row_count();
+        bytes += table.bytes();
+    }
+    return bytes;
 }
 
 /// Tables of all levels, each over the one before, from refined topology.
-void bench_step_tables(const Setup& setup, uint32_t level) {
+void bench_step_tables(const Setup& setup) {
     const auto refinement =
-        value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = level}));
-    const OsdRefiner refiner = setup.osd.refine(level);
+        value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = setup.level}));
+    const OsdRefiner refiner = setup.osd.refine(setup.level);
     std::vector<StencilTable> tables;
-    std::optional<OsdTable> osd;
-    Row row{.name = setup.prefix + "step_tables"};
-    row.limn = measure(
+    std::optional<OsdTable> table;
+    Row limn = row_of(setup, "step_tables", Side::limn), osd = row_of(setup, "step_tables", Side::peer);
+    limn.timing = measure(
         setup.options,
         [&] {
-            for (uint32_t l = 1; l <= level; ++l)
+            for (uint32_t l = 1; l <= setup.level; ++l)
                 tables.push_back(value_or_fail(setup.options, build_step_table<float>(refinement, l)));
             return true;
         },
         [&] { tables.clear(); });
-    uint64_t bytes = 0;
-    for (const StencilTable& table : tables) {
-        row.items += table.row_count();
-        row.entries += static_cast<double>(table.weights.size());
-        bytes += table.bytes();
-    }
+    limn.note = megabytes(count_tables(tables, limn));
+    setup.report.add(limn);
     tables.clear();
-    row.peer = measure(
+    osd.timing = measure(
         setup.options,
-        [&] {
-            osd = build_osd_table(*refiner, OsdTableKind::all_levels_chained);
-            return true;
-        },
-        [&] { osd.reset(); });
-    row.note = "build_step_table, " + megabytes(bytes) + " / unfactorized, " + megabytes(osd->bytes());
-    setup.report.add(row);
+        [&] { return table = build_osd_table(*refiner, OsdTableKind::all_levels_chained), true; },
+        [&] { table.reset(); });
+    osd.items = limn.items;
+    osd.note = "unfactorized, " + megabytes(table->bytes());
+    setup.report.add(osd);
 }
 
 /// Tables over the control points, from the control mesh: everything that a program needs.
-void bench_composed(const Setup& setup, uint32_t level, OsdTableKind kind) {
+void bench_composed(const Setup& setup, OsdTableKind kind) {
     const bool all = kind == OsdTableKind::all_levels;
+    const char* task = all ? "composed_all_levels" : "composed";
     std::vector<StencilTable> tables;
     OsdRefiner refiner;
-    std::optional<OsdTable> osd;
+    std::optional<OsdTable> table;
     const auto build = [&] {
         const auto base = value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = 0}));
-        for (uint32_t l = all ? 1 : level; l <= level; ++l)
+        for (uint32_t l = all ? 1 : setup.level; l <= setup.level; ++l)
             tables.push_back(value_or_fail(setup.options, build_stencil_table<float>(base, l)));
+        return true;
+    };
+    const auto build_osd = [&] {
+        refiner = setup.osd.refine(setup.level);
+        table = build_osd_table(*refiner, kind);
         return true;
     };
     const auto reset = [&] {
         tables.clear();
-        osd.reset();
+        table.reset();
         refiner.reset();
     };
-    const auto build_osd = [&] {
-        refiner = setup.osd.refine(level);
-        osd = build_osd_table(*refiner, kind);
+    Row limn = row_of(setup, task, Side::limn), osd = row_of(setup, task, Side::peer);
+    limn.timing = measure(setup.options, build, reset);
+    const uint64_t bytes = count_tables(tables, limn);
+    reset();
+    limn.note = "table " + megabytes(bytes) + ", " + peak_text(peak_memory(build), bytes);
+    setup.report.add(limn);
+    reset();
+    osd.timing = measure(setup.options, build_osd, reset);
+    osd.items = limn.items;
+    const uint64_t osd_bytes = table->bytes();
+    reset();
+    osd.note = "table " + megabytes(osd_bytes) + ", " + peak_text(peak_memory(build_osd), osd_bytes);
+    setup.report.add(osd);
+}
+
+/// The same points without a row for each: what prepare_refined takes, from the control mesh, too.
+void bench_refined_grid(const Setup& setup) {
+    std::optional<RefinedGridTable> table;
+    const auto build = [&] {
+        const auto base = value_or_fail(setup.options, build_refinement(setup.model.mesh, {.level = 0}));
+        table = value_or_fail(setup.options, build_refined_grid_table(base, {.level = setup.level}));
         return true;
     };
-    Row row{.name = setup.prefix + (all ? "composed_all_levels" : "composed")};
-    row.limn = measure(setup.options, build, reset);
-    uint64_t bytes = 0;
-    for (const StencilTable& table : tables) {
-        row.items += table.row_count();
-        row.entries += static_cast<double>(table.weights.size());
-        bytes += table.bytes();
-    }
+    const auto reset = [&] { table.reset(); };
+    Row row = row_of(setup, "composed", Side::limn);
+    row.evaluator = "limn_refined_grid";
+    row.timing = measure(setup.options, build, reset);
+    row.items = table->point_count();
+    const uint64_t bytes = table->bytes();
     reset();
-    const uint64_t peak = peak_memory(build);
-    reset();
-    row.peer = measure(setup.options, build_osd, reset);
-    const uint64_t osd_bytes = osd->bytes();
-    reset();
-    const uint64_t osd_peak = peak_memory(build_osd);
-    reset();
-    row.note = "table " + megabytes(bytes) + ", " + peak_text(peak, bytes) + " / " + megabytes(osd_bytes) +
-               ", " + peak_text(osd_peak, osd_bytes);
+    row.note = "table " + megabytes(bytes) + ", " + peak_text(peak_memory(build), bytes);
     setup.report.add(row);
 }
 
-void bench_model(const Options& options, const BenchModel& model, Report& report, uint32_t level) {
-    const Setup setup{options, model, report, OsdMesh(model.mesh),
-                      "refine/" + model.name + "/level=" + std::to_string(level) + "/"};
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%s: %u faces; points verified, in double within %.1e of the bounding box",
-                  model.name.c_str(), model.mesh.face_count(), verify(setup, level));
-    report.add_text(text);
-    bench_topology(setup, level);
-    bench_step_tables(setup, level);
-    bench_composed(setup, level, OsdTableKind::last_level);
-    if (level > 1) bench_composed(setup, level, OsdTableKind::all_levels);
+void bench_model(const Session& session, const BenchModel& model, uint32_t level) {
+    show_progress(session.options, "refine " + model.name);
+    const Setup setup{session.options, model, session.report, OsdMesh(model.mesh), level};
+    const double difference = verify(setup, level);
+    setup.report.add_finding(
+        format("refine/%s: %u faces; points at level %u verified, in double within %.1e of the bounding box",
+               model.name.c_str(), model.mesh.face_count(), level, difference));
+    bench_topology(setup);
+    bench_step_tables(setup);
+    bench_refined_grid(setup);
+    bench_composed(setup, OsdTableKind::last_level);
+    if (level > 1) bench_composed(setup, OsdTableKind::all_levels);
 }
 
 }  // namespace
-}  // namespace limn::bench
 
-int main(int argc, char** argv) {
-    using namespace limn::bench;
-    const Options options = parse_options(argc, argv, 0, 0);
-    const std::vector<BenchModel> models = load_models(options);
-    Report report(options, "refine", {{"peer", "OpenSubdiv Far, which uses one thread"}});
-    for (const BenchModel& model : models) bench_model(options, model, report, kLevel);
-    bench_model(options, make_million_quads(), report, 1);
-    value_or_fail(options, report.finish());
-    return 0;
+void bench_refine(const Session& session) {
+    for (const BenchModel& model : session.models) bench_model(session, model, kLevel);
+    const bool quick = session.options.quick;
+    bench_model(session, make_quads(quick ? "quads_62k" : "quads_1M", quick ? 250 : 1000), 1);
 }
+
+}  // namespace limn::bench

@@ -1,159 +1,106 @@
-// The table that benchmarks print, and its JSON twin.
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <nlohmann/json.hpp>
-#include <thread>
+// Rows, and the table that is printed of them.
+#include "report.h"
 
-#include "bench.h"
-#include "limn/file.h"
+#include <algorithm>
+#include <cassert>
+#include <cstdio>
 
 namespace limn::bench {
 namespace {
 
-std::string format(const char* pattern, double a) {
-    char text[64];
-    std::snprintf(text, sizeof text, pattern, a);
-    return text;
-}
+constexpr const char* kTableRow = "%-58s %-24s %-22s %14s %7s %6s %8s %-6s %s";
 
 std::string milliseconds(double ms) {
-    return format(ms < 1 ? "%.3f" : ms < 100 ? "%.2f" : "%.0f", ms);
+    return format(ms < 1 ? "%.4f" : ms < 100 ? "%.2f" : "%.0f", ms);
 }
 
-std::string cell(const std::optional<Timing>& timing) {
-    if (!timing) return "";
-    if (timing->count == 0) return "n/a";
-    return milliseconds(timing->median) + " (" + milliseconds(timing->min) + ".." +
-           milliseconds(timing->max) + ")";
+std::string cell(const Timing& timing) {
+    if (timing.count == 0) return "n/a";
+    return milliseconds(timing.median) + " (" + milliseconds(timing.min) + ".." + milliseconds(timing.max) +
+           ")";
 }
 
-bool has(const std::optional<Timing>& timing) {
-    return timing && timing->count != 0 && timing->median > 0;
+std::string positive(const char* pattern, double value) {
+    return value > 0 ? format(pattern, value) : "";
 }
 
-double seconds_of(const Row& row) {
-    const auto& timing = row.limn ? row.limn : row.peer;
-    return has(timing) ? timing->median / 1000 : 0;
+std::string line_of(const Row& row, uint64_t cache_bytes) {
+    const double rate = row.measured() ? 1000 / row.timing.median : 0;
+    const std::string items = positive("%.2f M", row.items * rate / 1e6);
+    char text[512];
+    std::snprintf(text, sizeof text, kTableRow, row_name(row).c_str(), cell(row.timing).c_str(),
+                  row.device ? cell(*row.device).c_str() : "", items.c_str(),
+                  positive("%.2f", row.bytes * rate / 1e9).c_str(), positive("%.2f", copy_share(row)).c_str(),
+                  positive("%.2f", row.flops * rate / 1e9).c_str(), to_text(cache_class(row, cache_bytes)),
+                  row.note.c_str());
+    std::string line = text;
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line;
 }
 
-double ratio_of(const Row& row) {
-    return has(row.limn) && has(row.peer) ? row.peer->median / row.limn->median : 0;
+void print(const Options& options, const std::string& line) {
+    show_progress(options, "");
+    std::puts(line.c_str());
+    std::fflush(stdout);
 }
-
-std::string processor_name() {
-    std::FILE* file = std::fopen("/proc/cpuinfo", "r");
-    if (file == nullptr) return "unknown processor";
-    std::string name = "unknown processor";
-    char line[256];
-    while (std::fgets(line, sizeof line, file) != nullptr) {
-        if (std::strncmp(line, "model name", 10) != 0) continue;
-        const char* colon = std::strchr(line, ':');
-        if (colon != nullptr) name = colon + 2;
-        while (!name.empty() && name.back() == '\n') name.pop_back();
-        break;
-    }
-    std::fclose(file);
-    return name;
-}
-
-std::string compiler_name() {
-#if defined(__clang__)
-    std::string name = "clang " __clang_version__;
-#elif defined(__GNUC__)
-    std::string name = "g++ " __VERSION__;
-#else
-    std::string name = "unknown compiler";
-#endif
-#if !defined(NDEBUG)
-    name += ", with assertions: not for timing";
-#endif
-    return name;
-}
-
-nlohmann::json json_of(const std::optional<Timing>& timing) {
-    if (!has(timing)) return nullptr;
-    return {{"median_ms", timing->median},
-            {"min_ms", timing->min},
-            {"max_ms", timing->max},
-            {"count", timing->count}};
-}
-
-nlohmann::json json_of(const Row& row, const std::string& items) {
-    nlohmann::json json = {{"case", row.name}};
-    if (row.limn) json["limn"] = json_of(row.limn);
-    if (row.peer) json["peer"] = json_of(row.peer);
-    if (row.device) json["limn_device"] = json_of(row.device);
-    if (ratio_of(row) > 0) json["ratio"] = ratio_of(row);
-    if (row.items > 0) json[items] = row.items;
-    if (row.entries > 0) json["entries"] = row.entries;
-    if (row.bytes > 0) json["bytes"] = row.bytes;
-    if (row.copy_rate > 0) json["copy_bytes_per_second"] = row.copy_rate;
-    if (!row.note.empty()) json["note"] = row.note;
-    return json;
-}
-
-constexpr const char* kTableRow = "%-50s %-24s %-24s %6s %-20s %10s %9s %7s %5s  %s\n";
 
 }  // namespace
 
-Report::Report(const Options& options, std::string benchmark, Facts facts, std::string items)
-    : options_(options),
-      benchmark_(std::move(benchmark)),
-      facts_(std::move(facts)),
-      items_(std::move(items)) {
-    const char* commit = std::getenv("LIMN_COMMIT");
-    facts_.emplace_back(
-        "host", processor_name() + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores");
-    facts_.emplace_back("compiler", compiler_name());
-    facts_.emplace_back("commit", commit != nullptr ? commit : "unknown");
-    for (const auto& [name, text] : facts_) std::printf("%-9s %s\n", name.c_str(), text.c_str());
-    std::printf(
-        "Medians (min..max) of %s. ratio: peer / limn. GB/s: table, source and destination points once "
-        "each.\n"
-        "copy: that, as a share of what a plain copy moves on the same device.\n",
-        options.quick ? "one run: not for comparison" : "at least 5 runs");
-    std::printf(kTableRow, "case", "limn ms", "peer ms", "ratio", "limn device ms",
-                ("M" + items_ + "/s").c_str(), "Mnnz/s", "GB/s", "copy", "");
+std::string group_name(const Row& row) {
+    std::string name = row.scenario + "/" + row.model;
+    for (const auto& [key, value] : row.parameters) name += "/" + key + "=" + format("%.10g", value);
+    return row.task.empty() ? name : name + "/" + row.task;
 }
 
-void Report::add(const Row& row) {
-    rows_.push_back(row);
-    const double seconds = seconds_of(row), rate = seconds > 0 ? 1 / seconds : 0, ratio = ratio_of(row);
-    const auto number = [](const char* pattern, double value) {
-        return value > 0 ? format(pattern, value) : "";
-    };
-    std::string line(512, '\0');
-    const int length = std::snprintf(
-        line.data(), line.size(), kTableRow, row.name.c_str(), cell(row.limn).c_str(), cell(row.peer).c_str(),
-        number("%.2f", ratio).c_str(), cell(row.device).c_str(),
-        number("%.2f", row.items * rate / 1e6).c_str(), number("%.1f", row.entries * rate / 1e6).c_str(),
-        number("%.2f", row.bytes * rate / 1e9).c_str(),
-        row.copy_rate > 0 ? number("%.2f", row.bytes * rate / row.copy_rate).c_str() : "", row.note.c_str());
-    line.resize(std::min(line.size(), static_cast<size_t>(std::max(length, 0))));
-    line.erase(line.find_last_not_of(" \n") + 1);
-    std::puts(line.c_str());
-    std::fflush(stdout);
+std::string row_name(const Row& row) {
+    return group_name(row) + "/" + row.evaluator;
 }
 
-void Report::add_text(const std::string& line) const {
-    std::puts(line.c_str());
-    std::fflush(stdout);
+double copy_share(const Row& row) {
+    if (!row.measured() || !(row.copy_rate > 0)) return 0;
+    return row.bytes / row.timing.median * 1000 / row.copy_rate;
 }
 
-Result<void> Report::finish() const {
-    if (options_.json.empty()) return {};
-    nlohmann::json json = {{"benchmark", benchmark_}, {"quick", options_.quick}};
-    for (const auto& [name, text] : facts_) json[name] = text;
-    json["rows"] = nlohmann::json::array();
-    for (const Row& row : rows_) json["rows"].push_back(json_of(row, items_));
-    auto writer = FileWriter::create(options_.json);
-    if (!writer) return writer.error();
-    const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    for (size_t at = 0; at < text.size(); at += FileWriter::kBufferBytes)
-        writer->append(std::string_view(text).substr(at, FileWriter::kBufferBytes));
-    return writer->commit();
+CacheClass cache_class(const Row& row, uint64_t cache_bytes) {
+    if (cache_bytes == 0 || !(row.bytes > 0)) return CacheClass::unknown;
+    return row.bytes <= static_cast<double>(cache_bytes) ? CacheClass::below : CacheClass::above;
+}
+
+const char* to_text(CacheClass cache) {
+    return cache == CacheClass::below ? "below" : cache == CacheClass::above ? "above" : "";
+}
+
+const char* to_text(Side side) {
+    return side == Side::limn ? "limn" : "peer";
+}
+
+Report::Report(const Options& options, ReportData header) : options_(options), data_(std::move(header)) {
+    for (const auto& [name, text] : data_.facts) print(options_, format("%-9s ", name.c_str()) + text);
+    print(options_, std::string("Medians (min..max) of ") +
+                        (data_.quick ? "one run: not for comparison." : "several runs."));
+    print(options_,
+          "GB/s: tables, points and results once each. copy: that, as a share of what a plain copy moves on "
+          "the same device.\nGflop/s: multiply-adds, counted as two. cache: those bytes against the last "
+          "level of the cache.");
+}
+
+void Report::add(Row row) {
+    assert(std::none_of(data_.rows.begin(), data_.rows.end(),
+                        [&](const Row& other) { return row_name(other) == row_name(row); }));
+    if (row.scenario != scenario_) {
+        scenario_ = row.scenario;
+        char text[512];
+        std::snprintf(text, sizeof text, kTableRow, "\ncase", " ms", " device ms", (row.unit + "/s").c_str(),
+                      "GB/s", "copy", "Gflop/s", "cache", "");
+        print(options_, text);
+    }
+    print(options_, line_of(row, data_.cache_bytes));
+    data_.rows.push_back(std::move(row));
+}
+
+void Report::add_finding(const std::string& line) {
+    print(options_, line);
+    data_.findings.push_back(line);
 }
 
 }  // namespace limn::bench

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     limn::cli::add_render(program, status);
     limn::cli::add_view(program, status);
     limn::cli::add_devices(program, status);
+    limn::cli::add_bench(program, status);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
     const bool known = argc < 2 || argv[1][0] == '-' ||
                        std::any_of(commands.begin(), commands.end(),

@@ -132,17 +132,18 @@ Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& op
     return LoadedModel{std::move(*model), std::move(*mesh)};
 }
 
+std::string check_device(const std::string& text) {
+    if (text == "cpu" || text == "auto") return {};
+    const bool number = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == text.npos;
+    return number ? "" : "a device is a number, 'cpu' or 'auto', not '" + text + "'";
+}
+
 void add_device_option(CLI::App& command, DeviceOption& option) {
     command
         .add_option("--device", option.device,
                     "Vulkan device: a number from 'limn devices'; 'cpu' for the host without Vulkan; "
                     "'auto' for the first discrete GPU, else what there is")
-        ->check([](const std::string& text) -> std::string {
-            if (text == "cpu" || text == "auto") return {};
-            const bool number =
-                !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == text.npos;
-            return number ? "" : "a device is a number, 'cpu' or 'auto', not '" + text + "'";
-        })
+        ->check(check_device)
         ->capture_default_str();
     command.add_flag("--validation", option.validation,
                      "Run under the Khronos validation layer; any message is an error");

@@ -46,6 +46,8 @@ struct DeviceOption {
     bool validation = false;
 };
 void add_device_option(CLI::App& command, DeviceOption& option);
+/// What is wrong with this value of --device; empty where nothing is.
+std::string check_device(const std::string& text);
 
 /// Pixels.
 struct PictureSize {
@@ -80,5 +82,6 @@ void add_check(CLI::App& program, int& status);
 void add_render(CLI::App& program, int& status);
 void add_view(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
+void add_bench(CLI::App& program, int& status);  // bench/bench_command.cpp, where benchmarks are built
 
 }  // namespace limn::cli
