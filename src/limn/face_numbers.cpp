@@ -1,5 +1,7 @@
 #include "limn/face_numbers.h"
 
+#include <cassert>
+
 namespace limn {
 namespace {
 
@@ -70,7 +72,6 @@ Result<FaceNumbers> number_face(const SchemeOptions& options, const Block& block
         if (w.offset >> shared::kGridOffsetBits != 0) return too_large;
     FaceNumbers out;
     out.slot_count = slots.count();
-    for (uint32_t k = 0; k < n; ++k) out.ends.push_back(polygon.levels[0].end_at_corner(k));
     for (const std::vector<uint32_t>& corners : block.turned) {
         std::vector<uint32_t>& turned = out.words.emplace_back();
         for (const uint32_t corner : corners) {
@@ -81,8 +82,8 @@ Result<FaceNumbers> number_face(const SchemeOptions& options, const Block& block
     return out;
 }
 
-void write_face_slots(const Topology& base, const std::vector<LevelCounts>& counts, const FaceNumbers& numbers, uint32_t level,
-                      uint32_t face, std::span<uint32_t> slots) {
+void write_face_slots(const Topology& base, const std::vector<LevelCounts>& counts, uint32_t level, uint32_t face,
+                      std::span<uint32_t> slots) {
     const uint32_t begin = base.face_begin(face), n = base.size_of_face(face);
     const Slots at{n, level, base.options.scheme == Scheme::loop};
     const uint32_t sides = at.triangles ? 3 : 4;
@@ -94,9 +95,9 @@ void write_face_slots(const Topology& base, const std::vector<LevelCounts>& coun
         slots[k] = base.face_of_corner(base.corners_of_vertex(v)[0]) == face ? v : kInvalidIndex;
         const bool owned = base.face_of_corner(base.corners_of_edge(e)[0]) == face;
         slots[at.edge(k, 1, 0)] = owned ? vertex_of(0, e) : kInvalidIndex;
-        const uint32_t turned = base.end_at_corner(c) != numbers.ends[k] ? 1 : 0;
+        assert(!owned || base.end_at_corner(c) == 0);  // edges run as in their first face, here as in the polygon
         for (uint32_t half = 0; half < 2; ++half) {
-            uint32_t edge = half_of(0, e, half ^ turned);
+            uint32_t edge = half_of(0, e, half);
             for (uint32_t l = 2; l <= level; edge = half_of(l - 1, edge, 0), ++l)
                 slots[at.edge(k, l, half)] = owned ? vertex_of(l - 1, edge) : kInvalidIndex;
         }

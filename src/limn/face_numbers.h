@@ -15,7 +15,6 @@ namespace limn {
 /// and two (halves of the edge) of every later level; those inside.
 struct FaceNumbers {
     uint32_t slot_count = 0;
-    std::vector<uint32_t> ends;  ///< end_at_corner of the polygon's own corners
     /// For each orientation and target of the block: its slot << kGridOffsetBits | its place in the row.
     std::vector<std::vector<uint32_t>> words;
 };
@@ -23,9 +22,9 @@ struct FaceNumbers {
 /// Error: unsupported (more slots or longer rows than a word holds).
 Result<FaceNumbers> number_face(const SchemeOptions& options, const Block& block, uint32_t n, uint32_t level);
 
-/// numbers.slot_count slots of a face of `base`, as the whole mesh numbers its vertices at `level`; kInvalidIndex for
+/// The slots (FaceNumbers::slot_count) of a face of `base`, as the whole mesh numbers its vertices at `level`; kInvalidIndex for
 /// those of corners and edges whose first face is another one.
-void write_face_slots(const Topology& base, const std::vector<LevelCounts>& counts, const FaceNumbers& numbers, uint32_t level,
-                      uint32_t face, std::span<uint32_t> slots);
+void write_face_slots(const Topology& base, const std::vector<LevelCounts>& counts, uint32_t level, uint32_t face,
+                      std::span<uint32_t> slots);
 
 }  // namespace limn

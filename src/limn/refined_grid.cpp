@@ -176,7 +176,7 @@ void Builder::write_member(size_t g, uint32_t surface, const std::array<uint32_t
     find_member_ring(job, member, hood);
     for (uint32_t j = 0; j < plan.ring_size; ++j)
         out.ring_points[first_ring + j] = hood.ring[ring_of_place != nullptr ? (*ring_of_place)[j] : j];
-    write_face_slots(job.base(), job.counts, size.numbers, out.level, member.face,
+    write_face_slots(job.base(), job.counts, out.level, member.face,
                      {out.grid.slots.data() + first_slot, size.numbers.slot_count});
     const Orientation& o = member.orientation;
     out.grid.surfaces[surface] = {first_ring, first_slot, size.first_placement + o.rotation + (o.mirrored ? n : 0),
