@@ -1,7 +1,7 @@
 // Grids over regular patches, for CPU devices: one invocation per surface, which goes through its samples row by row.
 // A CPU device runs eight invocations in the lanes of a vector: the basis is arithmetic that all lanes share, each ring
-// point is fetched once a surface, and a row of samples has the sums over v in common. 2 to 3 times as fast there as
-// grid_eval_texel, which multiplies by a dense matrix; on a GPU stores would be far apart and invocations few.
+// point is fetched once a surface, and a row of samples has the sums over v in common. Half the CPU time of
+// grid_eval_texel, which multiplies by a dense matrix (bigguy, rates 8 and 16); on a GPU stores would be far apart and invocations few.
 // Reads: records and placements (limn/shared/grid_eval_params.h), ring indices, points.
 // Writes: as grid_eval; kRefined: control points of a finer level in place of points of the surface.
 // Deterministic: each sample is written once, and sums in order.
@@ -21,7 +21,6 @@ layout(binding = kGridPointsBinding) uniform textureBuffer points;
 
 layout(local_size_x = kGridRowsWorkgroupSize) in;
 layout(constant_id = kGridNarrowConstant) const uint kNarrow = 0;
-layout(constant_id = kGridRefinedConstant) const uint kRefined = 0;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
 #include "limn/grid_store.glsl"
@@ -32,13 +31,11 @@ vec4 load_point(uint i) {
     return vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0, kWidth > 3 ? POINT(at + 3) : 0);
 }
 
-// Weights of four points for value and derivative at t. The control points of the spline with knots h = step / rate
-// apart are f - h^2 f'' / 6 of a cubic spline f with knots 1 apart.
-void basis_at(float t, float h, out float f[4], out float d[4]) {
+// Weights of four points for value and derivative at t; kRefined: for the control point there, `step_size` from the next.
+void basis_at(float t, float step_size, out float f[4], out float d[4]) {
     float dd[4];
     cubic_basis(t, f, d, dd);
-    if (kRefined == 0) return;
-    [[unroll]] for (uint k = 0; k < 4; ++k) f[k] -= h * h / 6 * dd[k];
+    if (kRefined != 0) refined_cubic_basis(t, step_size, f);
 }
 
 void main() {

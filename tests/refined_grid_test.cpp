@@ -1,4 +1,4 @@
-// Refined grids against composed stencil tables, whose rows are compared with OpenSubdiv elsewhere.
+// Refined grids against composed stencil tables, at levels and on shapes that conformance/ does not compare with OpenSubdiv.
 #include "limn/refined_grid.h"
 
 #include <gtest/gtest.h>
@@ -7,37 +7,13 @@
 #include <map>
 
 #include "limn/stencil_table.h"
+#include "shapes/refined_grid_rows.h"
 #include "shapes/shapes.h"
 
 namespace limn {
 namespace {
 
 using Entries = std::map<uint32_t, double>;
-
-/// Row of each point, by control point. Fails where a point has none, or two.
-void find_rows(const RefinedGridTable& table, std::vector<Entries>& rows) {
-    rows.assign(table.point_count(), {});
-    std::vector<uint32_t> count(table.point_count());
-    for (const GridSurface& surface : table.grid.surfaces) {
-        const GridClass& c = table.grid.classes[surface.grid_class];
-        const GridPlacement& placement = table.grid.placements[surface.placement];
-        EXPECT_EQ(placement.count, c.sample_count);
-        for (uint32_t s = 0; s < c.sample_count; ++s) {
-            const uint32_t word = table.grid.placement_samples[placement.first + s];
-            const uint32_t slot = table.grid.slots[surface.ptex_face + (word >> shared::kGridOffsetBits)];
-            if (slot == kInvalidIndex) continue;
-            const uint32_t v = slot + word % (1u << shared::kGridOffsetBits);
-            ASSERT_LT(v, rows.size());
-            ++count[v];
-            for (uint32_t j = 0; j < c.ring_size; ++j) {
-                const size_t group = c.first_weight + size_t{j / 4} * c.sample_count + s;
-                rows[v][table.ring_points[surface.first_ring + j]] +=
-                    static_cast<double>(table.grid.weights[4 * group + j % 4]);
-            }
-        }
-    }
-    for (size_t v = 0; v < count.size(); ++v) ASSERT_EQ(count[v], 1u) << "point " << v;
-}
 
 std::vector<Entries> rows_of(const StencilTableDouble& table) {
     std::vector<Entries> rows(table.row_count());
@@ -71,8 +47,8 @@ TEST_P(RefinedGridShape, HasTheRowsOfStencilTables) {
         ASSERT_EQ(grid.has_value(), stencils.has_value());
         if (!grid) continue;
         const std::vector<Entries> expected = rows_of(*stencils);
-        std::vector<Entries> got;
-        ASSERT_NO_FATAL_FAILURE(find_rows(*grid, got)) << "level " << level;
+        const std::vector<Entries> got = test::rows_of_refined_grid(*grid);
+        ASSERT_FALSE(HasFailure()) << "level " << level;
         ASSERT_EQ(got.size(), expected.size());
         for (size_t r = 0; r < got.size(); ++r) {
             ASSERT_LT(largest_difference(got[r], expected[r]), 1e-6) << "level " << level << ", row " << r;

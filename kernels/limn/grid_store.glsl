@@ -3,7 +3,7 @@
 layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
 layout(constant_id = kGridWidthConstant) const uint kWidth = 3;
 layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
-layout(constant_id = kGridSlottedConstant) const uint kSlotted = 0;
+layout(constant_id = kGridRefinedConstant) const uint kRefined = 0;
 
 layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
@@ -13,7 +13,7 @@ layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third
 // Which sample of the pass a word of a placement is; kGridNoSample: none. `face`: the second word of a surface.
 uint sample_of(uint face, uint word) {
     if (word == kGridNoSample) return kGridNoSample;
-    if (kSlotted == 0) return face * params.samples_per_face + word;
+    if (kRefined == 0) return face * params.samples_per_face + word;
     const uint slot = TILE_WORD(face + (word >> kGridOffsetBits));
     return slot == kGridNoSample ? kGridNoSample : slot + (word & (1u << kGridOffsetBits) - 1u);
 }
@@ -24,7 +24,7 @@ vec3 scaled(vec3 v) {
     return largest > 0 ? v / largest : vec3(0, 0, 1);
 }
 
-// A unit vector for tangents of about unit size: one division, since a CPU device has no other costly operation here.
+// A unit vector for tangents of about unit size: one division, the costliest operation here on a CPU device.
 vec3 normal_of(vec3 du, vec3 dv, vec3 otherwise) {
     vec3 n = cross(du, dv);
     const float longest = max(dot(du, du), dot(dv, dv));

@@ -92,8 +92,8 @@ void write_face_slots(const Topology& base, const std::vector<LevelCounts>& coun
     auto vertex_of = [&](uint32_t l, uint32_t e) { return counts[l].vertices + (at.triangles ? 0 : counts[l].faces) + e; };
     for (uint32_t k = 0; k < n; ++k) {
         const uint32_t c = begin + k, v = base.face_vertices[c], e = base.face_edges[c];
-        slots[k] = base.face_of_corner(base.corners_of_vertex(v)[0]) == face ? v : kInvalidIndex;
-        const bool owned = base.face_of_corner(base.corners_of_edge(e)[0]) == face;
+        slots[k] = base.corners_of_vertex(v)[0] == c ? v : kInvalidIndex;
+        const bool owned = base.corners_of_edge(e)[0] == c;
         slots[at.edge(k, 1, 0)] = owned ? vertex_of(0, e) : kInvalidIndex;
         assert(!owned || base.end_at_corner(c) == 0);  // edges run as in their first face, here as in the polygon
         for (uint32_t half = 0; half < 2; ++half) {

@@ -23,7 +23,7 @@ struct FaceNumbers {
 Result<FaceNumbers> number_face(const SchemeOptions& options, const Block& block, uint32_t n, uint32_t level);
 
 /// The slots (FaceNumbers::slot_count) of a face of `base`, as the whole mesh numbers its vertices at `level`; kInvalidIndex for
-/// those of corners and edges whose first face is another one.
+/// those of corners and edges that are first met elsewhere: in another face, or at another corner of this one.
 void write_face_slots(const Topology& base, const std::vector<LevelCounts>& counts, uint32_t level, uint32_t face,
                       std::span<uint32_t> slots);
 

@@ -154,8 +154,7 @@ bool is_patch_over_ring(const BasicPatchTable<Real>& table, const Plan& plan) {
 template <class Real>
 GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size_t sample_count) {
     const uint32_t ring = table.plans[plan].ring_size;
-    GridClass c{ring, (ring + 3) / 4, static_cast<uint32_t>(sample_count), 0, shared::kGridCornersFirst};
-    if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
+    GridClass c{ring, ring_group_count(ring), static_cast<uint32_t>(sample_count), 0, shared::kGridCornersFirst};
     // Rings begin with the corners, except for those of patches.
     const PlanNodeKind root = table.plan_nodes[table.plans[plan].first_node].kind();
     const bool regular = is_patch_over_ring(table, table.plans[plan]);

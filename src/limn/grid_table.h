@@ -34,13 +34,19 @@ struct GridClass {
     uint32_t corners;       ///< which ring points are at the surface's corners: shared::kGridCorners...
 };
 
+/// GridClass::group_count of a ring.
+inline uint32_t ring_group_count(uint32_t ring_size) {
+    const uint32_t groups = (ring_size + 3) / 4;
+    return groups > 8 ? (groups + 7) / 8 * 8 : groups;
+}
+
 /// Where a surface's samples go, and how its derivatives are turned: sample s is sample
 /// placement_samples[first + s] of its ptex face, or left out at kInvalidIndex: another surface has it.
 /// du of the face is uu * du + vu * dv of the class, and dv is uv * du + vv * dv.
 struct GridPlacement {
     int32_t uu, uv, vu, vv;
     uint32_t first;
-    uint32_t count;
+    uint32_t count;  ///< of samples
 };
 
 /// The samples that surfaces of a placement have, by rows and columns of quads: sample i < columns of row j < rows is

@@ -217,9 +217,8 @@ Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees
     uint64_t groups = 0, samples = 0;
     for (size_t t = 0; t < trees.size(); ++t) {
         const uint32_t ring = table.plans[plans[t]].ring_size;
-        GridClass c{ring, (ring + 3) / 4, padded_rows(trees[t]), static_cast<uint32_t>(groups),
+        GridClass c{ring, ring_group_count(ring), padded_rows(trees[t]), static_cast<uint32_t>(groups),
                     shared::kGridCornersFirst};
-        if (c.group_count > 8) c.group_count = (c.group_count + 7) / 8 * 8;
         grid.classes.push_back(c);
         grid.placements.push_back({1, 0, 0, 1, static_cast<uint32_t>(samples), c.sample_count});
         groups += uint64_t{c.group_count} * c.sample_count;

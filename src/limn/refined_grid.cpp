@@ -30,9 +30,9 @@ std::vector<std::array<double, 4>> refined_basis(uint32_t level) {
     const double step = 1.0 / (1u << level);
     std::vector<std::array<double, 4>> weights((size_t{1} << level) + 1);
     for (size_t i = 0; i < weights.size(); ++i) {
-        double f[4], d[4], dd[4];
-        shared::cubic_basis(static_cast<double>(i) * step, f, d, dd);
-        for (size_t k = 0; k < 4; ++k) weights[i][k] = f[k] - step * step / 6 * dd[k];
+        double f[4];
+        shared::refined_cubic_basis(static_cast<double>(i) * step, step, f);
+        std::copy_n(f, 4, weights[i].begin());
     }
     return weights;
 }
@@ -144,14 +144,13 @@ Result<void> Builder::plan_groups(uint64_t max_weight_bytes) {
         GroupPlan& plan = plans[g];
         plan.first_ring = rings;
         plan.first_slot = slots;
-        uint64_t ring_groups = (plan.ring_size + 3) / 4;
-        if (ring_groups > 8) ring_groups = (ring_groups + 7) / 8 * 8;
-        out.grid.classes.push_back({plan.ring_size, static_cast<uint32_t>(ring_groups), plan.target_count,
+        const uint32_t ring_groups = ring_group_count(plan.ring_size);
+        out.grid.classes.push_back({plan.ring_size, ring_groups, plan.target_count,
                                     static_cast<uint32_t>(weights), shared::kGridCornersFirst});
         const uint32_t n = job.base().size_of_face(groups.members[groups.first[g]].face);
         rings += uint64_t{plan.ring_size} * group_size(g);
         slots += uint64_t{sizes.at(n).numbers.slot_count} * group_size(g);
-        weights += ring_groups * plan.target_count;
+        weights += uint64_t{ring_groups} * plan.target_count;
         if (weights * 16 > max_weight_bytes)
             return Error{ErrorCode::too_large, "refinement to level " + std::to_string(out.level) + " face by face needs more than " +
                                                    std::to_string(max_weight_bytes >> 20) + " MiB of weights"};
@@ -202,10 +201,8 @@ void Builder::write_group(size_t g, std::span<const Member> members) {
                     static_cast<float>(weights.rows[t * weights.stride + (regular ? ring_of_place[j] : j)]);
     }
     const auto* places = c.corners == shared::kGridCornersBicubic ? &ring_of_place : nullptr;
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
-        Neighborhood hood;
-        for (size_t i = range.begin(); i != range.end(); ++i)
-            write_member(g, groups.first[g] + static_cast<uint32_t>(i), places, members[i], hood);
+    for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+        write_member(g, groups.first[g] + static_cast<uint32_t>(&member - members.data()), places, member, scratch.hood);
     });
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shapes/refined_grid_rows.h"
+
 namespace limn::test {
 namespace {
 
@@ -169,6 +171,11 @@ struct Checker {
                 << "rows of level " << l;
             EXPECT_TRUE(same_rows(rows_of(*float_table), expected, kFloatWeightTolerance))
                 << "float, level " << l;
+            const auto grid = build_refined_grid_table(*ours, {.level = l});
+            ASSERT_TRUE(grid);
+            std::vector<SparseRow> grid_rows;
+            for (const auto& row : rows_of_refined_grid(*grid)) grid_rows.emplace_back(row.begin(), row.end());
+            EXPECT_TRUE(same_rows(grid_rows, expected, kFloatWeightTolerance)) << "refined grid, level " << l;
             begin += rows.size();
         }
         EXPECT_EQ(begin, all.size());

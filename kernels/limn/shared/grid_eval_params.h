@@ -35,8 +35,7 @@ const uint kGridLoadsConstant = 6;        // how often `groups` ring points are 
 const uint kGridCornersConstant = 7;
 const uint kGridSurfacesConstant = 8;  // of a tile
 const uint kGridPairedConstant = 9;    // 1: value and normal are six floats at an even index
-const uint kGridSlottedConstant = 11;  // 1: samples are numbered by slots
-const uint kGridRefinedConstant = 10;  // of grid_rows_texel. 1: control points that are step / rate apart
+const uint kGridRefinedConstant = 10;  // 1: a refined grid: samples are numbered by slots, and control points step / rate apart
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
 const uint kGridCornersBoxSpline = 1;

@@ -26,6 +26,14 @@ LIMN_FN void cubic_basis(real t, LIMN_OUT_ARRAY(real, f, 4), LIMN_OUT_ARRAY(real
     dd[3] = t;
 }
 
+// What four control points of a uniform cubic spline f, with knots 1 apart, weigh for the control point at t of the same
+// spline with knots h apart: that is f - h^2 f'' / 6.
+LIMN_FN void refined_cubic_basis(real t, real h, LIMN_OUT_ARRAY(real, f, 4)) {
+    real d[4], dd[4];
+    cubic_basis(t, f, d, dd);
+    for (int k = 0; k < 4; ++k) f[k] -= h * h / real(6) * dd[k];
+}
+
 LIMN_FN void bicubic_basis(real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
     real a[4], da[4], dda[4], b[4], db[4], ddb[4];
     cubic_basis(u, a, da, dda);

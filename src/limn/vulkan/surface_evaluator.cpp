@@ -271,7 +271,7 @@ std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch,
     const uint32_t per_chunk = (batch.sample_count - 1) / ((batch.sample_count - 1) / most + 1) + 1;
     const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
     return {std::min(batch.group_count, 8u), output, info.width, job.narrow_rings, invocations, info.grid->value_count,
-            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, paired, job.refined, job.refined};
+            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, paired, job.refined};
 }
 
 }  // namespace
@@ -318,7 +318,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
         const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
         const bool rows = batch.by_rows;
         auto made = pipeline(rows ? kGridRows : kGrid,
-                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined, job.refined}
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined}
                                   : tile_constants(job, batch, output, paired, texel ? 8 : 32));
         if (!made) return made.error();
         const uint64_t group_count = rows ? (batch.tile_count - 1) / shared::kGridRowsWorkgroupSize + 1
