@@ -1,5 +1,6 @@
-// An owned array of plain values that, unlike std::vector, leaves new elements uninitialised: tables of
-// hundreds of megabytes are written once, by many threads, and must not be touched before that.
+// An array of plain values that, unlike std::vector, leaves new elements uninitialised: tables of hundreds of
+// megabytes are written once, by many threads, and must not be touched before that. And one that may borrow its
+// elements, so that tables can lie in a mapped file.
 #pragma once
 
 #include <cassert>
@@ -39,7 +40,18 @@ class Array {
         if (this != &other) *this = Array(other);
         return *this;
     }
-    ~Array() { std::free(data_); }
+    ~Array() { release(); }
+
+    /// An array over memory that someone else keeps alive and that must not be written to. A copy of it owns its
+    /// elements.
+    static Array borrow(const T* data, size_t size) {
+        Array out;
+        if (size == 0) return out;
+        out.data_ = const_cast<T*>(data);
+        out.size_ = size;
+        return out;
+    }
+    bool is_borrowed() const { return data_ != nullptr && capacity_ == 0; }
 
     /// Replaces the contents by `size` uninitialised elements; aborts when memory is exhausted, as operator
     /// new would in a build without exceptions. A small block is used again where it is large enough.
@@ -48,7 +60,7 @@ class Array {
             size_ = size;
             return;
         }
-        std::free(data_);
+        release();
         data_ = nullptr;
         size_ = capacity_ = 0;
         if (size == 0) return;
@@ -60,6 +72,10 @@ class Array {
     void assign(size_t size, T value) {
         allocate(size);
         for (size_t i = 0; i < size; ++i) data_[i] = value;
+    }
+    void push_back(T value) {
+        if (size_ >= capacity_) grow();
+        data_[size_++] = value;
     }
 
     T& operator[](size_t i) { return assert(i < size_), data_[i]; }
@@ -79,6 +95,18 @@ class Array {
   private:
     static constexpr size_t kReusedBytes = size_t{1} << 16;
 
+    void release() {
+        if (capacity_ != 0) std::free(data_);
+    }
+    /// Room for more: twice as much.
+    void grow() {
+        Array larger;
+        larger.allocate(size_ < 8 ? 16 : 2 * size_);
+        if (size_ != 0) std::memcpy(larger.data_, data_, bytes());
+        larger.size_ = size_;
+        *this = std::move(larger);
+    }
+
     /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that
     /// building a table took went into page faults.
     static void* allocate_bytes(size_t bytes) {
@@ -95,7 +123,7 @@ class Array {
     }
 
     T* data_ = nullptr;
-    size_t size_ = 0, capacity_ = 0;
+    size_t size_ = 0, capacity_ = 0;  // a capacity of none: borrowed
 };
 
 }  // namespace limn

@@ -75,10 +75,10 @@ struct GridTable {
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
     bool relative = false;  ///< as PatchTreeOptions::relative
-    std::vector<GridClass> classes;
-    std::vector<GridPlacement> placements;
+    Array<GridClass> classes;
+    Array<GridPlacement> placements;
     Array<uint32_t> placement_samples;
-    std::vector<GridLattice> lattices;  ///< one per placement, of use to surfaces that are bicubic patches; none for triangles
+    Array<GridLattice> lattices;  ///< one per placement, of use to surfaces that are bicubic patches; none for triangles
     Array<GridSurface> surfaces;
     /// Empty, or of a refined grid: a sample w of a placement is sample slots[surface.ptex_face + (w >> kGridOffsetBits)]
     /// + (w modulo 2^kGridOffsetBits), or left out where that slot is kInvalidIndex.
@@ -88,8 +88,7 @@ struct GridTable {
 
     uint64_t sample_count() const { return total_sample_count; }
     uint64_t bytes() const {
-        return classes.size() * sizeof(GridClass) + placements.size() * sizeof(GridPlacement) +
-               placement_samples.bytes() + lattices.size() * sizeof(GridLattice) + slots.bytes() +
+        return classes.bytes() + placements.bytes() + placement_samples.bytes() + lattices.bytes() + slots.bytes() +
                surfaces.bytes() + weights.bytes();
     }
 };
