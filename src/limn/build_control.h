@@ -12,7 +12,8 @@ namespace limn {
 /// cancellation lasts until reset().
 class BuildControl {
   public:
-    /// The build that has this control soon returns ErrorCode::cancelled, unless it is done before.
+    /// The build that has this control returns ErrorCode::cancelled, unless it is done before: at once while it walks
+    /// around faces, builds plans or trees, else after the stage that it is in (topology, the split, level-1 points).
     void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
     bool is_cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
     /// From 0 to 1, never falling within one build; 1 once it has succeeded. A measure of steps, not of time.
