@@ -149,20 +149,26 @@ class ChunkWalk {
 
 }  // namespace
 
-Candidates find_candidates(const Topology& base, const PlanOptions& options) {
+Candidates find_candidates(const Topology& base, const PlanOptions& options, const BuildControl* control) {
     Candidates out{base, options, {}, 0, {}, {}, {}, {}, {}};
     if (!options.linear) out.regular_base = find_regular_vertices(base);
     const std::vector<uint8_t> whole = find_whole_faces(out);
+    if (is_cancelled(control)) return out;
     if (std::find(whole.begin(), whole.end(), 0) != whole.end()) {
         refine_once(base, true, out.child);
         out.child_vertex_count = out.child.vertex_count;
         if (!options.linear) out.regular_child = find_regular_vertices(out.child);
     }
+    if (is_cancelled(control)) return out;
     list_surfaces(whole, out);
     out.chunks.resize((out.list.size() + CandidateChunk::kSize - 1) / CandidateChunk::kSize);
     tbb::enumerable_thread_specific<ChunkWalk> walks;
     for_each_index(
-        static_cast<uint32_t>(out.chunks.size()), [&](uint32_t chunk) { walks.local().walk(out, chunk); }, 1);
+        static_cast<uint32_t>(out.chunks.size()),
+        [&](uint32_t chunk) {
+            if (!is_cancelled(control)) walks.local().walk(out, chunk);
+        },
+        1);
     return out;
 }
 

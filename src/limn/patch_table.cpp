@@ -201,17 +201,22 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
         options.interpolation == Interpolation::varying || base.options.scheme == Scheme::bilinear;
     const uint32_t depth =
         options.end_cap == EndCap::exact ? options.plan_depth : options.isolation_level - 1;
-    Candidates candidates = find_candidates(base, {linear, options.end_cap, depth});
+    if (auto ok = reach(options.control, 0.15f); !ok) return ok.error();
+    Candidates candidates = find_candidates(base, {linear, options.end_cap, depth}, options.control);
+    if (auto ok = reach(options.control, 0.6f); !ok) return ok.error();
     const std::vector<uint64_t> chunk_rings = find_chunk_rings(candidates);
     table.ptex_surfaces = std::move(candidates.ptex_surfaces);
 
     const PlanCache own;
     PlanSet plans(candidates.options, (shared != nullptr ? *shared : own).impl());
     auto numbers = find_plans(candidates, plans);
-    if (auto ok = plans.build(); !ok) return ok.error();
+    if (auto ok = plans.build(options.control); !ok) return ok.error();
+    if (auto ok = reach(options.control, 0.75f); !ok) return ok.error();
     candidates.child = {};  // most of the memory that there is
     if (auto ok = write_surfaces(candidates, plans, numbers, chunk_rings, table); !ok) return ok.error();
+    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
     if (auto ok = write_rings(candidates, source, chunk_rings, table); !ok) return ok.error();
+    if (auto ok = reach(options.control, 1); !ok) return ok.error();
     return table;
 }
 
@@ -225,6 +230,7 @@ bool has_semi_sharp_edges(const Topology& t) {
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache) {
+    if (auto ok = reach(options.control, 0); !ok) return ok.error();
     const auto refinement = build_refinement(mesh, {.level = 0, .full_last_level = true});
     if (!refinement) return refinement.error();
     return build<Real>(*refinement, options, cache);
@@ -234,6 +240,7 @@ template <class Real>
 Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& mesh, uint32_t channel,
                                                              const PatchTableOptions& options,
                                                              const PlanCache* cache) {
+    if (auto ok = reach(options.control, 0); !ok) return ok.error();
     const auto refinement =
         build_face_varying_refinement(mesh, channel, {.level = 0, .full_last_level = true});
     if (!refinement) return refinement.error();

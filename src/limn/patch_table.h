@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "limn/array.h"
+#include "limn/build_control.h"
 #include "limn/control_mesh.h"
 #include "limn/shared/patch_table_layout.h"
 #include "limn/stencil_table.h"
@@ -159,6 +160,7 @@ struct PatchTableOptions {
     /// Semi-sharp features that reach deeper are smooth from there on. OpenSubdiv's adaptive refinement to
     /// the same level, with infinitely sharp and without single-crease patches, has the same patches.
     uint32_t isolation_level = 10;
+    BuildControl* control = nullptr;  ///< to cancel the build and to see its progress; may be null
 };
 
 /// Plans already built, for any number of meshes and threads; each build takes what it needs from it and adds
@@ -182,7 +184,8 @@ class PlanCache {
 /// The limit surface of the mesh for vertex or varying data. `cache` may be null. The result does not depend
 /// on what the cache holds, nor on the number of cores. Errors: invalid_argument (plan_depth,
 /// isolation_level); too_large past 2^31 - 1 corners, 2^32 ring points or 2^26 plans; unsupported where more
-/// than kMaxRingSize points lie around one face after the split (a vertex of valence 2,000 or more).
+/// than kMaxRingSize points lie around one face after the split (a vertex of valence 2,000 or more); cancelled.
+/// A cancelled build leaves nothing but, perhaps, more plans in the cache.
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache = nullptr);

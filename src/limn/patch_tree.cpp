@@ -279,6 +279,7 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
         return Error{ErrorCode::invalid_argument, "passes hold 65,536 points or more"};
     if (table.end_cap != EndCap::exact)
         return Error{ErrorCode::unsupported, "tessellation of patch tables with Gregory end caps"};
+    if (auto ok = reach(options.control, 0); !ok) return ok.error();
     std::vector<uint32_t> tree_of_plan(table.plans.size(), kInvalidIndex), plans;
     for (const Surface& s : table.surfaces) {
         if (tree_of_plan[s.plan()] != kInvalidIndex) continue;
@@ -290,7 +291,11 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
     for_each_index(
         static_cast<uint32_t>(plans.size()),
-        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest, options.relative); }, 1);
+        [&](uint32_t t) {
+            if (!is_cancelled(options.control)) trees[t] = grow_tree(table, plans[t], smallest, options.relative);
+        },
+        1);
+    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
     for (const Tree& tree : trees)
         if (tree.rows.size() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
@@ -313,6 +318,7 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
         return added.error();
     if (auto placed = place_surfaces(table, trees, tree_of_plan, roots, out); !placed) return placed.error();
     out.ptex_surfaces = table.ptex_surfaces;
+    if (auto ok = reach(options.control, 1); !ok) return ok.error();
     return out;
 }
 

@@ -46,10 +46,11 @@ struct PatchTreeOptions {
     /// For samples: the first local point of each surface is the first of its ring, and all others are relative to it,
     /// so that second derivatives, and first ones far from the origin, are as exact as without trees. Not for tessellation.
     bool relative = false;
+    BuildControl* control = nullptr;  ///< as PatchTableOptions::control
 };
 
 /// Errors: invalid_argument (max_rate), unsupported (end caps other than exact; a surface of 2^16 local
-/// points or more), too_large (weights, 2^26 nodes, 2^32 local points).
+/// points or more), too_large (weights, 2^26 nodes, 2^32 local points), cancelled.
 Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options);
 
 }  // namespace limn

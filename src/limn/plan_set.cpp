@@ -21,7 +21,7 @@ uint32_t PlanSet::find(const PlanHash& hash) {
     return static_cast<uint32_t>(entries_.size()) - 1;
 }
 
-Result<void> PlanSet::build() {
+Result<void> PlanSet::build(const BuildControl* control) {
     tbb::enumerable_thread_specific<PlanScratch> scratch;
     while (!requests_.empty()) {
         const std::vector<Request> batch = std::exchange(requests_, {});
@@ -32,8 +32,12 @@ Result<void> PlanSet::build() {
         std::vector<NewPlan> built(batch.size());
         for_each_index(
             static_cast<uint32_t>(batch.size()),
-            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local()); },
+            [&](uint32_t i) {
+                if (!is_cancelled(control))
+                    built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local());
+            },
             1);
+        if (is_cancelled(control)) return cancelled_error();
         // In their order, so that numbers do not depend on threads.
         for (size_t i = 0; i < batch.size(); ++i) {
             std::vector<uint32_t> references;

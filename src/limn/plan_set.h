@@ -43,8 +43,8 @@ class PlanSet {
     void keep_hash(const PlanHash& hash, uint32_t number) { hashes_.emplace_back(hash, number); }
 
     /// Builds what was requested, and what that refers to; then hands all to the cache. After it plan()
-    /// holds.
-    Result<void> build();
+    /// holds. Errors: unsupported, cancelled: the cache then gets nothing.
+    Result<void> build(const BuildControl* control);
     const BuiltPlan* plan(uint32_t number) const { return entries_[number].plan; }
 
   private:

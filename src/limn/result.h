@@ -27,6 +27,7 @@ enum class ErrorCode : uint8_t {
     no_device,           ///< no usable Vulkan device
     vulkan_failure,      ///< a Vulkan call failed; Error::vk_result holds its VkResult
     unsupported,         ///< valid, but not supported here
+    cancelled,           ///< a BuildControl stopped the build
 };
 
 inline constexpr uint64_t kNoElement = ~uint64_t{0};

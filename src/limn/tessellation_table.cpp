@@ -39,6 +39,8 @@ struct Builder {
     std::vector<uint32_t> row_of_corner = {};  ///< mesh corner -> the row, or the first of two, of the edge there
     std::vector<uint32_t> rows = {}, row_copies = {}, sub_rows = {};
 
+    /// Looks now and then, on the way through edges or faces, whether the build is cancelled.
+    bool stops_at(uint32_t i) const { return i % 4096 == 0 && is_cancelled(options.control); }
     bool is_split(uint32_t face) const { return base.size_of_face(face) != own_size; }
     bool is_drawn(uint32_t face) const { return base.face_holes[face] == 0; }
     bool is_drawn_corner(uint32_t corner) const { return is_drawn(base.face_of_corner(corner)); }
@@ -189,7 +191,7 @@ void Builder::add_sub_rows(uint32_t face) {
 }
 
 void Builder::join_corners(Sets& corners) const {
-    for (uint32_t e = 0; e < base.edge_count; ++e) {
+    for (uint32_t e = 0; e < base.edge_count && !stops_at(e); ++e) {
         if (!is_shared(e)) continue;
         const uint32_t a = base.corners_of_edge(e)[0], b = base.corners_of_edge(e)[1];
         if (!has_corner_normals(base.face_vertices[a])) corners.join(number(a), number(base.next_corner(b)));
@@ -311,6 +313,7 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
             return Error{ErrorCode::index_out_of_range,
                          "channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
                          channel};
+    if (auto ok = reach(options.control, 0); !ok) return ok.error();
     TessellationTable out;
     if (mesh.face_vertices.size() >= size_t{1} << 28)
         return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
@@ -320,13 +323,18 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
     out.rate_edges.allocate(size_t{out.rate_edge_count} * shared::kRateEdgeWords);
     b.row_of_corner.assign(b.base.corner_count(), kInvalidIndex);
     b.sub_rows.assign(out.rate_edge_count - b.base.edge_count, kInvalidIndex);
-    for (uint32_t e = 0; e < b.base.edge_count; ++e) b.add_rows_of_edge(e);
+    if (auto ok = reach(options.control, 0.3f); !ok) return ok.error();
+    for (uint32_t e = 0; e < b.base.edge_count && !b.stops_at(e); ++e) b.add_rows_of_edge(e);
+    if (auto ok = reach(options.control, 0.5f); !ok) return ok.error();
     for (uint32_t f = 0; f < b.base.face_count; ++f)
         if (b.is_split(f)) b.add_sub_rows(f);
     Sets corners(size_t{out.face_count} * kCorners);
     b.join_corners(corners);
+    if (auto ok = reach(options.control, 0.65f); !ok) return ok.error();
     b.write_faces(corners);
+    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
     b.write_corners(corners);
+    if (auto ok = reach(options.control, 1); !ok) return ok.error();
     return out;
 }
 

@@ -47,9 +47,10 @@ struct TessellationTableOptions {
     bool split_creases = true;
     /// Face-varying channels whose seams split vertices.
     std::span<const uint32_t> channels;
+    BuildControl* control = nullptr;  ///< as PatchTableOptions::control
 };
 
-/// Errors: index_out_of_range (a channel), too_large (2^28 ptex faces or more).
+/// Errors: index_out_of_range (a channel), too_large (2^28 ptex faces or more), cancelled.
 Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
                                                    const TessellationTableOptions& options);
 

@@ -1,0 +1,168 @@
+// Cancelling builds, their progress, and builds beside their caller.
+#include "limn/build_control.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "limn/async_build.h"
+#include "limn/patch_tree.h"
+#include "limn/tessellation_table.h"
+
+namespace limn {
+namespace {
+
+/// A plane of quads with creases here and there; every 7th quad is two triangles.
+ControlMesh make_mesh(uint32_t side) {
+    std::vector<uint32_t> sizes, vertices, creases;
+    std::vector<float> sharpness;
+    for (uint32_t i = 0; i < side; ++i)
+        for (uint32_t j = 0; j < side; ++j) {
+            const uint32_t v = i * (side + 1) + j, a = v + side + 1, b = v + side + 2, c = v + 1;
+            if ((i + 3 * j) % 7 == 0) {
+                sizes.insert(sizes.end(), {3, 3});
+                vertices.insert(vertices.end(), {v, a, b, v, b, c});
+            } else {
+                sizes.push_back(4);
+                vertices.insert(vertices.end(), {v, a, b, c});
+            }
+            if ((5 * i + j) % 11 != 0) continue;
+            creases.insert(creases.end(), {v, a});
+            sharpness.push_back(static_cast<float>(1 + (i + j) % 4));
+        }
+    ControlMeshDescription d;
+    d.vertex_count = (side + 1) * (side + 1);
+    d.face_sizes = sizes;
+    d.face_vertices = vertices;
+    d.crease_vertices = creases;
+    d.crease_sharpness = sharpness;
+    return *ControlMesh::create(d);
+}
+
+template <class T>
+bool equal(const Array<T>& a, const Array<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.bytes()) == 0);
+}
+bool equal(const PatchTable& a, const PatchTable& b) {
+    return equal(a.surfaces, b.surfaces) && equal(a.ring_points.words, b.ring_points.words) &&
+           equal(a.plans, b.plans) && equal(a.plan_weights, b.plan_weights) &&
+           equal(a.point_indices.words, b.point_indices.words) && equal(a.ptex_surfaces, b.ptex_surfaces);
+}
+
+TEST(BuildControl, StopsBuildersBeforeTheyBegin) {
+    const ControlMesh mesh = make_mesh(8);
+    const auto table = build_patch_table<float>(mesh, {});
+    ASSERT_TRUE(table);
+    BuildControl control;
+    control.cancel();
+    const auto patches = build_patch_table<float>(mesh, {.control = &control});
+    ASSERT_FALSE(patches);
+    EXPECT_EQ(patches.error().code, ErrorCode::cancelled);
+    const auto topology = build_tessellation_table(mesh, {.control = &control});
+    ASSERT_FALSE(topology);
+    EXPECT_EQ(topology.error().code, ErrorCode::cancelled);
+    const auto trees = build_patch_trees(*table, {.control = &control});
+    ASSERT_FALSE(trees);
+    EXPECT_EQ(trees.error().code, ErrorCode::cancelled);
+    EXPECT_EQ(control.progress(), 0);
+    control.reset();
+    EXPECT_TRUE(build_patch_table<float>(mesh, {.control = &control}));
+    EXPECT_EQ(control.progress(), 1);
+}
+
+TEST(BuildControl, ProgressRisesToOne) {
+    const ControlMesh mesh = make_mesh(60);
+    auto build = AsyncBuild<PatchTable>::start(
+        [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}); });
+    float last = 0;
+    while (!build.is_ready()) {
+        const float now = build.progress();
+        ASSERT_GE(now, last);
+        ASSERT_LE(now, 1);
+        last = now;
+    }
+    EXPECT_EQ(build.progress(), 1);
+    EXPECT_TRUE(build.take());
+}
+
+/// Whatever the moment, the cache serves later builds as before.
+TEST(BuildControl, CancelledAtAnyMomentTheCacheStaysGood) {
+    const ControlMesh mesh = make_mesh(60);
+    const auto expected = build_patch_table<float>(mesh, {});
+    ASSERT_TRUE(expected);
+    const PlanCache cache;
+    uint32_t cancelled = 0;
+    for (int step = 0; step < 20; ++step) {
+        auto build = AsyncBuild<PatchTable>::start(
+            [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}, &cache); });
+        std::this_thread::sleep_for(std::chrono::microseconds(step * 700));
+        build.cancel();
+        const auto table = build.take();
+        if (table) {
+            EXPECT_TRUE(equal(*table, *expected));
+        } else {
+            EXPECT_EQ(table.error().code, ErrorCode::cancelled);
+            ++cancelled;
+        }
+    }
+    EXPECT_GT(cancelled, 0u);
+    const auto table = build_patch_table<float>(mesh, {}, &cache);
+    ASSERT_TRUE(table);
+    EXPECT_TRUE(equal(*table, *expected));
+}
+
+TEST(AsyncBuild, ManyShareOneCache) {
+    const ControlMesh mesh = make_mesh(24);
+    const auto expected = build_patch_table<float>(mesh, {});
+    ASSERT_TRUE(expected);
+    const PlanCache cache;
+    std::vector<AsyncBuild<PatchTable>> builds;
+    for (int i = 0; i < 12; ++i)
+        builds.push_back(AsyncBuild<PatchTable>::start(
+            [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}, &cache); }));
+    for (size_t i = 0; i < builds.size(); i += 3) builds[i].cancel();
+    for (size_t i = 0; i < builds.size(); ++i) {
+        const auto table = builds[i].take();
+        if (table)
+            EXPECT_TRUE(equal(*table, *expected));
+        else
+            EXPECT_TRUE(i % 3 == 0 && table.error().code == ErrorCode::cancelled);
+    }
+}
+
+TEST(AsyncBuild, RunsAsAJobOfTheCaller) {
+    const ControlMesh mesh = make_mesh(8);
+    std::vector<AsyncBuild<PatchTable>::Job> queue;
+    const auto submit = [&](AsyncBuild<PatchTable>::Job job) { queue.push_back(std::move(job)); };
+    const auto start = [&] {
+        return AsyncBuild<PatchTable>::start(
+            [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}); }, submit);
+    };
+    auto build = start(), stopped = start();
+    stopped.cancel();
+    EXPECT_FALSE(build.is_ready());
+    for (auto& job : queue) job();
+    EXPECT_TRUE(build.is_ready());
+    EXPECT_TRUE(build.take());
+    EXPECT_EQ(stopped.take().error().code, ErrorCode::cancelled);
+}
+
+TEST(AsyncBuild, DestructionStopsTheBuild) {
+    std::atomic<bool> running = false, stopped = false;
+    {
+        auto build = AsyncBuild<int>::start([&](BuildControl& control) -> Result<int> {
+            running = true;
+            while (!control.is_cancelled()) std::this_thread::yield();
+            stopped = true;
+            return cancelled_error();
+        });
+        while (!running) std::this_thread::yield();
+    }
+    EXPECT_TRUE(stopped);
+}
+
+}  // namespace
+}  // namespace limn
