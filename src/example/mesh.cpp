@@ -11,7 +11,7 @@ struct Ring {
     float radius, height, flute, sharpness;
 };
 constexpr Ring kProfile[] = {{0.70f, -1.30f, 0.00f, 10}, {0.72f, -1.18f, 0.00f, 3}, {0.30f, -0.85f, 0.00f, 0},
-                             {0.95f, -0.35f, 0.22f, 0},  {1.10f, 0.25f, 0.26f, 0},  {0.45f, 0.75f, 0.08f, 0},
+                             {1.00f, -0.35f, 0.36f, 0},  {1.15f, 0.25f, 0.40f, 0},  {0.45f, 0.75f, 0.08f, 0},
                              {0.78f, 1.20f, 0.10f, 2},   {0.62f, 1.22f, 0.10f, 10}, {0.30f, 0.70f, 0.05f, 0}};
 constexpr uint32_t kRings = sizeof(kProfile) / sizeof(kProfile[0]);
 

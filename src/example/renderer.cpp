@@ -49,7 +49,7 @@ namespace vk = limn::vk;
 
 constexpr uint32_t kFramesInFlight = 2;
 constexpr uint32_t kMaxVertices = 200'000, kMaxTriangles = 400'000;  // limn draws coarser rather than more
-constexpr float kBackground[] = {0.42f, 0.44f, 0.46f, 1};
+constexpr float kBackground[] = {0.26f, 0.28f, 0.31f, 1};
 
 /// What a Result holds. An example may end where it holds an error.
 template <class T>
@@ -65,7 +65,7 @@ void take(const limn::Result<void>& result) {
 limn::Camera make_camera(VkExtent2D size, const float (&eye)[3]) {
     const float width = static_cast<float>(size.width), height = static_cast<float>(size.height);
     const float distance = std::sqrt(eye[0] * eye[0] + eye[1] * eye[1] + eye[2] * eye[2]);
-    const float flat = std::hypot(eye[0], eye[1]), near_plane = 1, far_plane = 20, zoom = 3.6f;
+    const float flat = std::hypot(eye[0], eye[1]), near_plane = 1, far_plane = 20, zoom = 4.3f;
     const float forward[3] = {-eye[0] / distance, -eye[1] / distance, -eye[2] / distance};
     const float right[3] = {-eye[1] / flat, eye[0] / flat, 0};
     const float up[3] = {right[1] * forward[2] - right[2] * forward[1], right[2] * forward[0] - right[0] * forward[2],

@@ -4,7 +4,7 @@ layout(location = 0) in vec3 to_eye;
 layout(location = 1) in vec3 surface_normal;
 layout(location = 0) out vec4 color;
 
-const vec3 kClay = vec3(0.56, 0.25, 0.13);
+const vec3 kClay = vec3(0.52, 0.19, 0.09);
 
 void main() {
     const vec3 n = normalize(surface_normal), e = normalize(to_eye);
