@@ -1,5 +1,5 @@
-// example_picture A.png B.png: fails unless both are the same picture, of a surface that covers a part of it and has no
-// hole: the background is one colour, and all of it is reached from the border.
+// example_picture A.png B.png: fails unless both are the same picture, of a surface that covers a part of it
+// and has no hole: the background is one colour, and all of it is reached from the border.
 #include <png.h>
 
 #include <cstdint>
@@ -54,11 +54,13 @@ size_t count_reached(const Pixels& pixels) {
 int main(int count, char** arguments) {
     if (count != 3) return std::puts("usage: example_picture A.png B.png"), 2;
     const Pixels a = read_png(arguments[1]), b = read_png(arguments[2]);
-    if (a.colors.empty() || a.width != b.width || a.colors != b.colors) return std::puts("the pictures differ"), 1;
+    if (a.colors.empty() || a.width != b.width || a.colors != b.colors)
+        return std::puts("the pictures differ"), 1;
     size_t background = 0;
     for (const uint32_t color : a.colors) background += color == a.colors[0];
     const size_t reached = count_reached(a);
     const double covered = 1 - static_cast<double>(background) / static_cast<double>(a.colors.size());
-    std::printf("%.1f %% covered, %zu pixels of background within the surface\n", 100 * covered, background - reached);
+    std::printf("%.1f %% covered, %zu pixels of background within the surface\n", 100 * covered,
+                background - reached);
     return covered > 0.2 && covered < 0.6 && reached == background ? 0 : 1;
 }

@@ -7,7 +7,8 @@
 
 namespace {
 
-VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                           VkDebugUtilsMessageTypeFlagsEXT,
                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
     ++static_cast<ValidationLog*>(user)->count;
     std::fprintf(stderr, "%s\n", data->pMessage);
@@ -32,7 +33,8 @@ void create_instance(Gpu& gpu, ValidationLog* log) {
         VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
     messages.pfnUserCallback = log_message;
     messages.pUserData = log;
-    const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeatureEnableEXT synchronization =
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                               .pNext = &messages,
                                               .enabledValidationFeatureCount = 1,
@@ -49,7 +51,8 @@ void create_instance(Gpu& gpu, ValidationLog* log) {
     }
     check(vkCreateInstance(&info, nullptr, &gpu.instance), "vkCreateInstance");
     if (log == nullptr) return;
-    const auto create = load<PFN_vkCreateDebugUtilsMessengerEXT>(gpu.instance, "vkCreateDebugUtilsMessengerEXT");
+    const auto create =
+        load<PFN_vkCreateDebugUtilsMessengerEXT>(gpu.instance, "vkCreateDebugUtilsMessengerEXT");
     check(create(gpu.instance, &messages, nullptr, &gpu.messenger), "vkCreateDebugUtilsMessengerEXT");
 }
 
@@ -84,7 +87,8 @@ uint32_t choose_memory_type(VkPhysicalDevice physical, uint32_t allowed) {
     VkPhysicalDeviceMemoryProperties memory;
     vkGetPhysicalDeviceMemoryProperties(physical, &memory);
     for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-        if ((allowed >> i & 1) != 0 && (memory.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0)
+        if ((allowed >> i & 1) != 0 &&
+            (memory.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0)
             return i;
     fail("no device memory for images");
 }
@@ -103,9 +107,10 @@ Image create_image(const Gpu& gpu, VkExtent2D size, VkFormat format, VkSampleCou
     check(vkCreateImage(gpu.device, &info, nullptr, &image.image), "vkCreateImage");
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(gpu.device, image.image, &needs);
-    const VkMemoryAllocateInfo memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                         .allocationSize = needs.size,
-                                         .memoryTypeIndex = choose_memory_type(gpu.physical, needs.memoryTypeBits)};
+    const VkMemoryAllocateInfo memory = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .allocationSize = needs.size,
+        .memoryTypeIndex = choose_memory_type(gpu.physical, needs.memoryTypeBits)};
     check(vkAllocateMemory(gpu.device, &memory, nullptr, &image.memory), "vkAllocateMemory");
     check(vkBindImageMemory(gpu.device, image.image, image.memory, 0), "vkBindImageMemory");
     const VkImageAspectFlags aspect =
@@ -144,8 +149,9 @@ Gpu create_gpu(ValidationLog* log) {
                                            .queueFamilyIndex = gpu.queue_family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue};
     check(vkCreateDevice(gpu.physical, &info, nullptr, &gpu.device), "vkCreateDevice");
     vkGetDeviceQueue(gpu.device, gpu.queue_family, 0, &gpu.queue);
     return gpu;
@@ -172,12 +178,12 @@ VkRenderPass create_render_pass(VkDevice device) {
                                        .finalLayout = last};
     };
     const VkAttachmentDescription attachments[] = {
-        attachment(kColorFormat, VK_SAMPLE_COUNT_4_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
-        attachment(kDepthFormat, VK_SAMPLE_COUNT_4_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                   VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
-        attachment(kColorFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_STORE,
-                   VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
+        attachment(kColorFormat, VK_SAMPLE_COUNT_4_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                   VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
+        attachment(kDepthFormat, VK_SAMPLE_COUNT_4_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                   VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
+        attachment(kColorFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                   VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
     const VkAttachmentReference color = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
                                 depth = {1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL},
                                 resolved = {2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
@@ -207,9 +213,10 @@ VkRenderPass create_render_pass(VkDevice device) {
 
 Target create_target(const Gpu& gpu, VkRenderPass pass, VkExtent2D size) {
     Target target;
-    target.color = create_image(gpu, size, kColorFormat, VK_SAMPLE_COUNT_4_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
-    target.depth =
-        create_image(gpu, size, kDepthFormat, VK_SAMPLE_COUNT_4_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    target.color =
+        create_image(gpu, size, kColorFormat, VK_SAMPLE_COUNT_4_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    target.depth = create_image(gpu, size, kDepthFormat, VK_SAMPLE_COUNT_4_BIT,
+                                VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
     target.resolved = create_image(gpu, size, kColorFormat, VK_SAMPLE_COUNT_1_BIT,
                                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     const VkImageView views[] = {target.color.view, target.depth.view, target.resolved.view};
@@ -264,11 +271,12 @@ VkPipeline create_pipeline(VkDevice device, VkPipelineLayout layout, VkRenderPas
         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
     const VkViewport viewport = {0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
     const VkRect2D scissor = {{0, 0}, size};
-    const VkPipelineViewportStateCreateInfo view = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-                                                    .viewportCount = 1,
-                                                    .pViewports = &viewport,
-                                                    .scissorCount = 1,
-                                                    .pScissors = &scissor};
+    const VkPipelineViewportStateCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .pViewports = &viewport,
+        .scissorCount = 1,
+        .pScissors = &scissor};
     const VkPipelineRasterizationStateCreateInfo raster = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .cullMode = VK_CULL_MODE_BACK_BIT,
@@ -284,7 +292,9 @@ VkPipeline create_pipeline(VkDevice device, VkPipelineLayout layout, VkRenderPas
         .depthCompareOp = VK_COMPARE_OP_LESS};
     const VkPipelineColorBlendAttachmentState opaque = {.colorWriteMask = 15};
     const VkPipelineColorBlendStateCreateInfo blend = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &opaque};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = 1,
+        .pAttachments = &opaque};
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .stageCount = 2,
                                                .pStages = stages,
@@ -298,7 +308,9 @@ VkPipeline create_pipeline(VkDevice device, VkPipelineLayout layout, VkRenderPas
                                                .layout = layout,
                                                .renderPass = pass};
     VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateGraphicsPipelines");
-    for (const VkPipelineShaderStageCreateInfo& stage : stages) vkDestroyShaderModule(device, stage.module, nullptr);
+    check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+          "vkCreateGraphicsPipelines");
+    for (const VkPipelineShaderStageCreateInfo& stage : stages)
+        vkDestroyShaderModule(device, stage.module, nullptr);
     return pipeline;
 }

@@ -30,8 +30,8 @@ struct Gpu {
     uint32_t queue_family = 0;
 };
 
-/// The first device with Vulkan 1.2 and a queue for graphics and compute; no feature is enabled. With `log`: the
-/// validation layer with synchronization validation, which must outlive the instance.
+/// The first device with Vulkan 1.2 and a queue for graphics and compute; no feature is enabled. With `log`:
+/// the validation layer with synchronization validation, which must outlive the instance.
 Gpu create_gpu(ValidationLog* log);
 void destroy_gpu(Gpu& gpu);
 

@@ -59,13 +59,16 @@ int main(int count, char** arguments) {
     {
         const Mesh mesh = make_vase();
         Renderer renderer(gpu, options.size);
-        for (uint32_t frame = 0; frame < options.frames; ++frame) renderer.draw(mesh, static_cast<float>(frame) / 60);
+        for (uint32_t frame = 0; frame < options.frames; ++frame)
+            renderer.draw(mesh, static_cast<float>(frame) / 60);
         result = renderer.read(pixels);
     }
     destroy_gpu(gpu);
     write_png(options.output, options.size, pixels);
-    std::printf("%u frames of %ux%u: %u vertices, %u triangles in the last, rates scaled by %g; %u validation messages\n",
-                options.frames, options.size.width, options.size.height, result.vertex_count, result.triangle_count,
-                static_cast<double>(result.rate_scale), log.count);
+    std::printf(
+        "%u frames of %ux%u: %u vertices, %u triangles in the last, rates scaled by %g; %u validation "
+        "messages\n",
+        options.frames, options.size.width, options.size.height, result.vertex_count, result.triangle_count,
+        static_cast<double>(result.rate_scale), log.count);
     return result.status == limn::vk::TessellationStatus::complete && log.count == 0 ? 0 : 1;
 }
