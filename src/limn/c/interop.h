@@ -1,0 +1,85 @@
+// What implementations of the C interface share: objects, errors, structs that may grow. Not part of the public interface.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <span>
+
+#include "limn/c/limn.h"
+#include "limn/patch_table.h"
+
+struct limn_control_mesh {
+    limn::ControlMesh value;
+};
+struct limn_plan_cache {
+    limn::PlanCache value;
+};
+struct limn_patch_table {
+    limn::PatchTable value;
+};
+
+namespace limn::c {
+
+/// The code, and the rest where the caller wants to know.
+limn_result report(const Error& error, limn_error* out);
+
+inline Error bad_argument(std::string message) {
+    return {ErrorCode::invalid_argument, std::move(message)};
+}
+
+/// A struct of the caller's, who may know less or more of it than this library: what he has no room for is zero, what is
+/// not known here has to be. `first_bytes`: what the struct had to begin with.
+template <class T>
+Result<T> read_struct(const T* given, uint32_t first_bytes = sizeof(T)) {
+    constexpr uint32_t kMost = 4096;  // a size beyond that was never set
+    if (given == nullptr) return bad_argument("a struct is null");
+    const uint32_t size = given->struct_size;
+    if (size < first_bytes || size > kMost) return bad_argument("struct_size is not the size of the struct");
+    T known = {};
+    std::memcpy(&known, given, std::min<size_t>(size, sizeof(T)));
+    const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+    if (size > sizeof(T) && std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; }))
+        return Error{ErrorCode::unsupported, "a struct asks for what this version of limn does not know"};
+    return known;
+}
+
+/// Arrays and options as they are read; the first thing wrong stays.
+struct Reader {
+    Result<void> state = {};
+
+    void fail(std::string message) {
+        if (state) state = bad_argument(std::move(message));
+    }
+    template <class T>
+    std::span<T> array(T* data, uint64_t count, const char* name) {
+        if (count != 0 && data == nullptr) fail(std::string(name) + " is null");
+        if (count > static_cast<size_t>(-1) / sizeof(T)) fail(std::string(name) + " is longer than memory");
+        return state ? std::span<T>(data, static_cast<size_t>(count)) : std::span<T>();
+    }
+    /// At least `count` elements of `width`.
+    template <class T>
+    std::span<T> array(T* data, uint64_t given, uint64_t count, uint32_t width, const char* name) {
+        if (given / width < count) fail(std::string(name) + " is too short");
+        return array(data, given, name);
+    }
+    /// values[index]: C's numbers begin with the default.
+    template <class Enum, size_t n>
+    Enum choice(uint32_t index, const Enum (&values)[n], const char* name) {
+        if (index >= n) fail(std::string("there is no such ") + name);
+        return index < n ? values[index] : values[0];
+    }
+    void flags(uint32_t given, uint32_t known) {
+        if ((given & ~known) != 0) fail("a flag is not known");
+    }
+};
+
+/// Hands a result out as a new object.
+template <class T, class Object>
+limn_result give(Result<T> result, Object** out, limn_error* error) {
+    if (!result) return report(result.error(), error);
+    *out = new (std::nothrow) Object{std::move(*result)};
+    return *out != nullptr ? LIMN_SUCCESS : report({ErrorCode::out_of_memory, "memory is exhausted"}, error);
+}
+
+}  // namespace limn::c

@@ -1,0 +1,212 @@
+// limn for C, and for every language that calls C: control meshes, their tables, and the surface evaluated on the CPU.
+//
+// Objects are opaque and immutable: any number of threads may use them at once. Tables do not refer to what they were
+// made from. Destroying null does nothing. Nothing is thrown, printed, or kept in globals; where host memory is exhausted
+// the program ends.
+//
+// Functions that can fail return LIMN_SUCCESS or an error's code, of which they say more in `error` where that is not
+// null. After an error nothing else has been written, but for null in place of what would have been created.
+//
+// Structs that begin with struct_size may grow: set it to the size of the struct, and all that is not used to zero, which
+// is the default of every member. So programs work with later libraries, and with earlier ones as long as what those do
+// not know is zero. Other structs and all values stay as they are.
+#ifndef LIMN_C_LIMN_H
+#define LIMN_C_LIMN_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// What went wrong: 0, or limn::ErrorCode + 1.
+typedef int32_t limn_result;
+enum {
+    LIMN_SUCCESS = 0,
+    LIMN_ERROR_INVALID_ARGUMENT = 1,  ///< null, a length too small, an option outside its range, a struct_size
+    LIMN_ERROR_INDEX_OUT_OF_RANGE = 2,
+    LIMN_ERROR_FACE_TOO_SMALL = 3,
+    LIMN_ERROR_INVALID_SHARPNESS = 4,
+    LIMN_ERROR_MISSING_EDGE = 5,
+    LIMN_ERROR_NOT_A_TRIANGLE = 6,
+    LIMN_ERROR_NOT_FINITE = 7,
+    LIMN_ERROR_TOO_LARGE = 8,
+    LIMN_ERROR_OUT_OF_MEMORY = 9,
+    LIMN_ERROR_CANNOT_OPEN = 10,
+    LIMN_ERROR_PARSE_ERROR = 11,
+    LIMN_ERROR_NO_DEVICE = 12,
+    LIMN_ERROR_VULKAN_FAILURE = 13,
+    LIMN_ERROR_UNSUPPORTED = 14  ///< and what a struct asks for that this library does not know
+};
+
+#define LIMN_NO_ELEMENT UINT64_MAX
+#define LIMN_MESSAGE_BYTES 240
+
+typedef struct limn_error {
+    limn_result code;
+    int32_t vk_result;  ///< a VkResult; 0 unless the error came from Vulkan
+    uint64_t element;   ///< the face, vertex, crease ... that the message names, or LIMN_NO_ELEMENT
+    char message[LIMN_MESSAGE_BYTES];  ///< ends with 0; cut off where it is longer
+} limn_error;
+
+typedef uint32_t limn_scheme;
+enum { LIMN_SCHEME_CATMULL_CLARK = 0, LIMN_SCHEME_LOOP = 1, LIMN_SCHEME_BILINEAR = 2 };
+
+typedef uint32_t limn_boundary_interpolation;
+enum { LIMN_BOUNDARY_EDGE_ONLY = 0, LIMN_BOUNDARY_EDGE_AND_CORNER = 1, LIMN_BOUNDARY_NONE = 2 };
+
+typedef uint32_t limn_creasing_method;
+enum { LIMN_CREASING_UNIFORM = 0, LIMN_CREASING_CHAIKIN = 1 };
+
+typedef uint32_t limn_triangle_subdivision;
+enum { LIMN_TRIANGLES_CATMARK = 0, LIMN_TRIANGLES_SMOOTH = 1 };
+
+typedef uint32_t limn_face_varying_interpolation;
+enum {
+    LIMN_FACE_VARYING_ALL = 0,
+    LIMN_FACE_VARYING_NONE = 1,
+    LIMN_FACE_VARYING_CORNERS_ONLY = 2,
+    LIMN_FACE_VARYING_CORNERS_PLUS1 = 3,
+    LIMN_FACE_VARYING_CORNERS_PLUS2 = 4,
+    LIMN_FACE_VARYING_BOUNDARIES = 5
+};
+
+typedef uint32_t limn_interpolation;
+enum { LIMN_INTERPOLATION_VERTEX = 0, LIMN_INTERPOLATION_VARYING = 1 };
+
+typedef uint32_t limn_end_cap;
+enum { LIMN_END_CAP_EXACT = 0, LIMN_END_CAP_GREGORY = 1, LIMN_END_CAP_GREGORY_OPENSUBDIV = 2 };
+
+typedef uint32_t limn_derivatives;
+enum { LIMN_DERIVATIVES_NONE = 0, LIMN_DERIVATIVES_FIRST = 1, LIMN_DERIVATIVES_SECOND = 2 };
+
+typedef uint8_t limn_sample_status;
+enum { LIMN_SAMPLE_VALID = 0, LIMN_SAMPLE_HOLE = 1, LIMN_SAMPLE_OUT_OF_RANGE = 2 };
+
+// Control meshes
+
+typedef struct limn_control_mesh limn_control_mesh;
+
+typedef struct limn_face_varying_channel {
+    const uint32_t* face_values;  ///< one value index per face corner, each < value_count
+    uint64_t face_value_count;
+    uint32_t value_count;
+    limn_face_varying_interpolation interpolation;
+} limn_face_varying_channel;
+
+/// Flags of limn_control_mesh_description.
+enum {
+    LIMN_CONTROL_MESH_LEFT_HANDED = 1,           ///< faces are clockwise
+    LIMN_CONTROL_MESH_OPENSUBDIV_COMPATIBLE = 2  ///< OpenSubdiv's results where they depart from the limit of its rules
+};
+
+/// limn::ControlMeshDescription. Arrays are read during limn_control_mesh_create only; null where their length is 0.
+typedef struct limn_control_mesh_description {
+    uint32_t struct_size;
+    uint32_t flags;
+    limn_scheme scheme;
+    limn_boundary_interpolation boundary;
+    limn_creasing_method creasing;
+    limn_triangle_subdivision triangles;
+    uint32_t vertex_count;
+    uint32_t channel_count;
+    const limn_face_varying_channel* channels;
+    const uint32_t* face_sizes;  ///< vertices of each face, 3 or more
+    uint64_t face_count;
+    const uint32_t* face_vertices;  ///< faces one after the other
+    uint64_t face_vertex_count;     ///< the sum of face_sizes
+    const uint32_t* crease_sizes;   ///< vertices of each chain; without any every chain is a pair
+    uint64_t crease_size_count;
+    const uint32_t* crease_vertices;
+    uint64_t crease_vertex_count;
+    const float* crease_sharpness;  ///< one per chain; 10 is infinite
+    uint64_t crease_sharpness_count;
+    const uint32_t* corner_vertices;
+    const float* corner_sharpness;
+    uint64_t corner_count;
+    const uint32_t* holes;
+    uint64_t hole_count;
+    const float* positions;  ///< optional: checked to be finite, not kept
+    uint64_t position_value_count;
+} limn_control_mesh_description;
+
+limn_result limn_control_mesh_create(const limn_control_mesh_description* description, limn_control_mesh** mesh,
+                                     limn_error* error);
+void limn_control_mesh_destroy(limn_control_mesh* mesh);
+
+// The limit surface
+
+typedef struct limn_plan_cache limn_plan_cache;
+typedef struct limn_patch_table limn_patch_table;
+
+/// Plans already built, for any number of meshes and threads. It is the one object that changes.
+limn_result limn_plan_cache_create(limn_plan_cache** cache, limn_error* error);
+void limn_plan_cache_destroy(limn_plan_cache* cache);
+
+typedef struct limn_patch_table_options {
+    uint32_t struct_size;
+    limn_interpolation interpolation;
+    uint32_t plan_depth;  ///< 1 to 10; 0: 3
+    limn_end_cap end_cap;
+    uint32_t isolation_level;  ///< of Gregory end caps, 1 to 10; 0: 10
+} limn_patch_table_options;
+
+/// The limit surface of vertex or varying data. `options` and `cache` may be null.
+limn_result limn_patch_table_create(const limn_control_mesh* mesh, const limn_patch_table_options* options,
+                                    limn_plan_cache* cache, limn_patch_table** table, limn_error* error);
+/// Of one face-varying channel, in the channel's values.
+limn_result limn_patch_table_create_channel(const limn_control_mesh* mesh, uint32_t channel,
+                                            const limn_patch_table_options* options, limn_plan_cache* cache,
+                                            limn_patch_table** table, limn_error* error);
+void limn_patch_table_destroy(limn_patch_table* table);
+
+/// Points are the control points and, from first_refined on, those of level 1 that surfaces need.
+typedef struct limn_patch_table_info {
+    uint32_t struct_size;
+    uint32_t control_count;
+    uint32_t first_refined;
+    uint32_t point_count;
+    uint32_t ptex_face_count;
+    uint32_t surface_count;
+    uint32_t plan_count;
+    limn_scheme scheme;
+    uint64_t bytes;
+} limn_patch_table_info;
+
+/// Fills as much of `info` as its struct_size says.
+limn_result limn_patch_table_get_info(const limn_patch_table* table, limn_patch_table_info* info, limn_error* error);
+
+/// Control points -> control points and level-1 points: control_count * width values -> point_count * width.
+limn_result limn_patch_table_build_points(const limn_patch_table* table, const double* control_values,
+                                          uint64_t control_value_count, uint32_t width, double* values,
+                                          uint64_t value_count, limn_error* error);
+
+/// limn::PatchSample.
+typedef struct limn_patch_sample {
+    uint32_t face;  ///< ptex face
+    uint32_t padding;
+    double u, v;
+} limn_patch_sample;
+
+typedef struct limn_patch_evaluation {
+    uint32_t struct_size;
+    uint32_t width;  ///< values per point; 0: 3
+    limn_derivatives derivatives;
+    uint32_t flags;  ///< 0
+    const limn_patch_sample* samples;
+    uint64_t sample_count;
+    const double* points;  ///< limn_patch_table_build_points
+    uint64_t point_value_count;
+    double* results;  ///< as limn::evaluate_patches: sample_count * (1, 3 or 6) * width
+    uint64_t result_value_count;
+    limn_sample_status* statuses;  ///< one per sample
+    uint64_t status_count;
+} limn_patch_evaluation;
+
+limn_result limn_patch_table_evaluate(const limn_patch_table* table, const limn_patch_evaluation* evaluation,
+                                      limn_error* error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
