@@ -364,14 +364,14 @@ void BatchOnDevice::expect_instances_as_alone(RateMode mode, float value) {
 
 TEST_F(BatchOnDevice, InstancesAreDrawnAsAloneInTheirPlaces) {
     expect_instances_as_alone(RateMode::uniform, 2);
-    expect_instances_as_alone(RateMode::screen_length, 24);
-    expect_instances_as_alone(RateMode::pixel_error, 1);
+    expect_instances_as_alone(RateMode::screen_length, 4);
+    expect_instances_as_alone(RateMode::pixel_error, 0.1f);
     expect_instances_as_alone(RateMode::distance, 16);
 }
 
 TEST_F(BatchOnDevice, InstancesInStorageBuffersToo) {
     pretend_gpu();
-    expect_instances_as_alone(RateMode::screen_length, 24);
+    expect_instances_as_alone(RateMode::screen_length, 4);
 }
 
 // All instances share what fits; their commands still come to what is drawn.
