@@ -334,7 +334,7 @@ constexpr Camera kCamera = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 7, 8}, 51
 void BatchOnDevice::expect_instances_as_alone(RateMode mode, float value) {
     std::vector<Surfaces> all;
     for (const TestMesh& shape : {limn::test::make_prism(5), limn::test::make_torus(6, 4), limn::test::make_cube(),
-                                  limn::test::make_torus(6, 4)})
+                                  limn::test::make_torus(20, 12)})
         all.push_back(surfaces_of(shape));
     const Crowd crowd = merge(all);
     Request request = {{.mode = mode, .value = value, .max_rate = 8, .camera = kCamera, .cull_outside = true,
