@@ -1,18 +1,23 @@
 // Which faces are drawn: none with an edge of rate 0, and none that culling leaves out.
 // One invocation per ptex face.
-// Reads: tables, targets, local points where something is culled. Writes: the flag of each face. Deterministic.
+// Reads: tables, targets, instances, local points where something is culled. Writes: the flag of each face. Deterministic.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_bindings.glsl"
 #include "limn/patch_tree.glsl"
+#include "limn/tess_instance.glsl"
 
-const uint kRowX = 0, kRowY = 4, kRowW = 8, kEye = 12, kBound = 16;
+const uint kRowX = 0, kRowY = 4, kRowW = 8, kEye = 12, kBound = 16, kInstances = 17;
+
+uint instance = 0;
+bool is_placed() { return payload(kInstances) != kNoFace; }
 
 float side_distance(uint row, float sign_of, vec3 p, out float slope) {
-    const vec4 plane = vec4(params.payload[kRowW], params.payload[kRowW + 1], params.payload[kRowW + 2],
+    vec4 plane = vec4(params.payload[kRowW], params.payload[kRowW + 1], params.payload[kRowW + 2],
                             params.payload[kRowW + 3]) +
                        sign_of * vec4(params.payload[row], params.payload[row + 1], params.payload[row + 2],
                                       params.payload[row + 3]);
+    if (is_placed()) plane = plane_to_object(instance, plane);
     slope = length(plane.xyz);
     return dot(plane.xyz, p) + plane.w;
 }
@@ -39,8 +44,9 @@ bool is_outside(uint face) {
 // Nine normals of the face, and twice the angle that they spread over, lie on the far side. No bound, but what is left out
 // by mistake would have to bend by more than that between samples.
 bool is_turned_away(uint face) {
-    const vec4 eye = vec4(params.payload[kEye], params.payload[kEye + 1], params.payload[kEye + 2],
+    vec4 eye = vec4(params.payload[kEye], params.payload[kEye + 1], params.payload[kEye + 2],
                           params.payload[kEye + 3]);
+    if (is_placed()) eye = eye_to_object(instance, eye);
     vec3 normals[9], positions[9], axis = vec3(0), middle = vec3(0);
     for (uint i = 0; i < 9; ++i) {
         float u = float(i % 3) * 0.5, v = float(i / 3) * 0.5;
@@ -75,12 +81,18 @@ void main() {
     const uint face = global_invocation();
     if (face >= params.face_count) return;
     bool drawn = true;
+    uint flags = 0;
+    if (is_placed()) {
+        instance = instance_of(payload(kInstances), face);
+        flags = instances[instance].flags;
+        drawn = (flags & kInstanceHidden) == 0;
+    }
     for (uint k = 0; k < (kTriangles != 0 ? 3 : 4); ++k) {
         const uint side = face_word(face, k);
         const float target = uintBitsToFloat(SETTLED(kTessTargets + row_word(side_row(side == kNoSide ? 0 : side), 0)));
         drawn = drawn && side != kNoSide && is_finite_number(target) && target > 0;
     }
-    if (drawn && (kMode & kTessCullOutside) != 0) drawn = !is_outside(face);
-    if (drawn && (kMode & kTessCullBackfaces) != 0) drawn = !is_turned_away(face);
+    if (drawn && (kMode & kTessCullOutside) != 0 && (flags & kInstanceKeepOutside) == 0) drawn = !is_outside(face);
+    if (drawn && (kMode & kTessCullBackfaces) != 0 && (flags & kInstanceKeepBackfaces) == 0) drawn = !is_turned_away(face);
     state[drawn_at() + face] = drawn ? 1 : 0;
 }

@@ -247,7 +247,8 @@ TEST(Batch, IsAsLargeAsOneMeshOfAll) {
     EXPECT_EQ(merged_grid.classes.size(), grid.classes.size());
     EXPECT_EQ(merged_grid.bytes(), grid.bytes());
     EXPECT_EQ(build_patch_trees(merged, {})->tree_count, build_patch_trees(one, {})->tree_count);
-    EXPECT_EQ(crowd.merge_topologies()->table.bytes(),
+    const TessellationTable topology = crowd.merge_topologies()->table;
+    EXPECT_EQ(topology.bytes() - topology.instance_faces.bytes(),
               build_tessellation_table(control_mesh(whole), {})->bytes());
 }
 
@@ -315,6 +316,20 @@ size_t expect_same_triangles(const Tessellation& merged, size_t first, const Tes
     EXPECT_TRUE(std::is_sorted(used.begin(), used.end()));
     EXPECT_TRUE(std::adjacent_find(used.begin(), used.end()) == used.end());
     return alone.vertex_count();
+}
+
+TEST(Batch, InstancesAreTheTablesMergedAndThoseOfMergedOnes) {
+    Crowd crowd;
+    for (const TestMesh& shape : {make_cube(), make_prism(5), make_torus(5, 4)}) crowd.add(shape);
+    const TessellationTable pair = merge_tessellation_tables(std::vector<const TessellationTable*>{
+        &crowd.topologies[0], &crowd.topologies[1]})->table;
+    EXPECT_EQ(pair.instance_count(), 2u);
+    EXPECT_EQ(crowd.topologies[0].instance_count(), 1u);
+    const TessellationTable all = merge_tessellation_tables(
+        std::vector<const TessellationTable*>{&crowd.topologies[2], &pair})->table;
+    const uint32_t torus = crowd.topologies[2].face_count, cube = crowd.topologies[0].face_count;
+    EXPECT_EQ(std::vector<uint32_t>(all.instance_faces.begin(), all.instance_faces.end()),
+              (std::vector<uint32_t>{0, torus, torus + cube, all.face_count}));
 }
 
 TEST(Batch, TessellatesAsEachMeshAlone) {

@@ -259,8 +259,21 @@ struct TessellationMerger {
     std::vector<BatchRange> corner_copies = {}, row_copies = {};  ///< words
 
     Result<void> number();
+    void number_instances();
     void copy_mesh(uint32_t m);
 };
+
+void TessellationMerger::number_instances() {
+    uint64_t count = 0;
+    for (const TessellationTable* table : tables) count += table->instance_count();
+    out.table.instance_faces.allocate(count + 1);
+    uint32_t* first = out.table.instance_faces.data();
+    for (size_t m = 0; m < tables.size(); ++m)
+        for (uint32_t i = 0; i < tables[m]->instance_count(); ++i)
+            *first++ = out.meshes[m].ptex_faces.first +
+                       (tables[m]->instance_faces.empty() ? 0 : tables[m]->instance_faces[i]);
+    *first = out.table.face_count;
+}
 
 Result<void> TessellationMerger::number() {
     Numbers faces, mesh_edges, sub_edges, rows, corners, corner_words, row_words;
@@ -361,6 +374,7 @@ Result<TessellationBatch> merge_tessellation_tables(std::span<const Tessellation
     if (tables.empty()) return std::move(merger.out);
     if (auto numbered = merger.number(); !numbered) return numbered.error();
     merger.out.table.options = tables[0]->options;
+    merger.number_instances();
     for_each_index(
         static_cast<uint32_t>(tables.size()), [&](uint32_t m) { merger.copy_mesh(m); }, 1);
     return std::move(merger.out);

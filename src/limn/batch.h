@@ -65,7 +65,8 @@ struct TessellationBatch {
 /// In the same order as merge_patch_tables: ptex faces have the same numbers. Triangles of a tessellation
 /// come mesh after mesh; vertices do not: corners of all meshes are followed by the rows of all, and these by
 /// what lies within faces. Errors: invalid_argument (options that do not agree, as above); too_large (2^28
-/// ptex faces or more, 2^30 rows, 2^32 corners or edges).
+/// ptex faces or more, 2^30 rows, 2^32 corners or edges). Each table is an instance of the merged one
+/// (TessellationTable::instance_faces); of one that was merged before, each of its instances is.
 Result<TessellationBatch> merge_tessellation_tables(std::span<const TessellationTable* const> tables);
 
 }  // namespace limn

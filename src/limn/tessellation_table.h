@@ -32,12 +32,18 @@ struct TessellationTable {
     Array<uint32_t> rate_edges;   ///< kRateEdgeWords each
     Array<uint32_t> corner_copies;  ///< pairs: a corner, and the one whose position it has; ascending
     Array<uint32_t> row_copies;     ///< pairs of rows, likewise
+    /// Of a merged table (batch.h): the first ptex face of each instance, and the end of the last. Else empty: one.
+    Array<uint32_t> instance_faces;
+
+    uint32_t instance_count() const {
+        return instance_faces.empty() ? 1 : static_cast<uint32_t>(instance_faces.size() - 1);
+    }
 
     uint32_t corner_copy_count() const { return static_cast<uint32_t>(corner_copies.size() / 2); }
     uint32_t row_copy_count() const { return static_cast<uint32_t>(row_copies.size() / 2); }
     uint64_t bytes() const {
         return faces.bytes() + rows.bytes() + corners.bytes() + rate_edges.bytes() + corner_copies.bytes() +
-               row_copies.bytes();
+               row_copies.bytes() + instance_faces.bytes();
     }
 };
 

@@ -62,13 +62,20 @@ Crowd merge(const std::vector<Surfaces>& all) {
 struct Drawn {
     std::vector<uint32_t> grid_values, grid_normals;  ///< the bits of 3 floats per sample
     std::vector<uint32_t> samples, statuses;  ///< the bits of 9 floats per sample: all those of the grid
-    std::vector<uint32_t> indices, triangle_faces, positions, normals;
+    std::vector<uint32_t> indices, triangle_faces, positions, normals, commands;
     TessellationResult result = {};
     uint32_t samples_per_face = 0;
 };
 
 constexpr uint32_t kGridRate = 3;
 constexpr float kTessellationRate = 5;
+
+/// How triangles are made; by default all alike.
+struct Request {
+    RateSettings settings = {.value = kTessellationRate, .max_rate = 8, .cull_backfaces = true};
+    std::vector<TessellationInstance> instances = {};
+    uint32_t triangle_capacity = 0;  ///< 0: what all edges need at kTessellationRate, and no fitting
+};
 
 class BatchOnDevice : public TessellatorTest {
   protected:
@@ -98,7 +105,15 @@ class BatchOnDevice : public TessellatorTest {
 
     void draw_grid(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points, Drawn& out);
     void draw_samples(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points, Drawn& out);
-    void draw_triangles(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points, Drawn& out);
+    void draw_triangles(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points, Drawn& out,
+                        const Request& request = {});
+    Drawn draw_triangles(const Surfaces& s, const Request& request) {
+        Drawn out;
+        const DevicePatchTable patches = *upload_patch_table(device(), s.patches);
+        draw_triangles(s, patches, filled(std::as_bytes(std::span(s.points))), out, request);
+        return out;
+    }
+    void expect_instances_as_alone(RateMode mode, float value);
     Drawn draw(const Surfaces& s) {
         Drawn out;
         const DevicePatchTable patches = *upload_patch_table(device(), s.patches);
@@ -155,34 +170,41 @@ void BatchOnDevice::draw_samples(const Surfaces& s, const DevicePatchTable& patc
 }
 
 void BatchOnDevice::draw_triangles(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points,
-                                   Drawn& out) {
-    const std::vector<uint32_t> rates(s.topology.rate_edge_count,
-                                      static_cast<uint32_t>(kTessellationRate * shared::kRateOne));
+                                   Drawn& out, const Request& request) {
+    const RateSettings& settings = request.settings;
+    const std::vector<uint32_t> rates(s.topology.rate_edge_count, settings.max_rate * shared::kRateOne);
     const TessellationCounts most = count_tessellation(s.topology, rates, TessellationSpacing::integer);
     const auto trees = build_patch_trees(s.patches, {.max_rate = 8});
     const DeviceTessellationTable table = *upload_tessellation_table(device(), s.topology, *trees);
     Buffer positions = words(3 * most.vertices), normals = words(3 * most.vertices),
            indices = words(3 * most.triangles), faces = words(most.triangles), command = words(5),
-           result = words(4);
+           result = words(4), commands_of_instances = words(5 * size_t{s.topology.instance_count()});
+    const Buffer instances = filled(std::as_bytes(std::span(request.instances)));
+    const bool fits = request.triangle_capacity != 0;
     const auto tessellation =
         tessellator_->prepare({.patches = &patches,
                                .table = &table,
                                .points = {.buffer = points.handle},
-                               .cull_backfaces = true,
+                               .mode = settings.mode,
+                               .cull_outside = settings.cull_outside,
+                               .cull_backfaces = settings.cull_backfaces,
+                               .instances = {request.instances.empty() ? VK_NULL_HANDLE : instances.handle},
                                .vertex_capacity = static_cast<uint32_t>(most.vertices),
-                               .triangle_capacity = static_cast<uint32_t>(most.triangles),
-                               .fit_capacity = false,
+                               .triangle_capacity = fits ? request.triangle_capacity : static_cast<uint32_t>(most.triangles),
+                               .fit_capacity = fits,
                                .positions = {.buffer = positions.handle},
                                .normals = {.buffer = normals.handle},
                                .indices = {indices.handle},
                                .triangle_faces = {faces.handle},
                                .command = {command.handle},
+                               .instance_commands = {commands_of_instances.handle},
                                .result = {result.handle}});
     ASSERT_TRUE(tessellation);
     run([&](VkCommandBuffer commands) {
-        EXPECT_TRUE(tessellation->record(commands, {.value = kTessellationRate, .max_rate = 8}));
+        EXPECT_TRUE(tessellation->record(commands, settings));
     });
     out.result = (*download<TessellationResult>(device(), result, 1))[0];
+    out.commands = read(commands_of_instances, 5 * size_t{s.topology.instance_count()});
     out.indices = read(indices, 3 * size_t{out.result.triangle_count});
     out.triangle_faces = read(faces, out.result.triangle_count);
     out.positions = read(positions, 3 * size_t{out.result.vertex_count});
@@ -277,6 +299,99 @@ TEST_F(BatchOnDevice, MakesPointsAsTheHostDoes) {
     EXPECT_TRUE(
         points_match({{merged.points.begin() + static_cast<ptrdiff_t>(first), merged.points.end()}, 3},
                      {made, first, 3}, tolerance_of(merged.control, 3)));
+}
+
+/// A turn about an axis by quarters, a size and a place for each: exact in float, so that the camera that sees an instance
+/// from its own coordinates is.
+TessellationInstance make_instance(uint32_t i) {
+    TessellationInstance instance = {};
+    const float size = i % 2 == 0 ? 1.0f : 0.5f;
+    const uint32_t from[3] = {i % 3, (i + 1) % 3, (i + 2) % 3};
+    for (uint32_t row = 0; row < 3; ++row) instance.object_to_world[4 * row + from[row]] = size;
+    instance.object_to_world[3] = static_cast<float>(i) - 1.5f;
+    instance.object_to_world[11] = 0.25f * static_cast<float>(i);
+    instance.value_scale = i % 2 == 0 ? 1.0f : 2.0f;
+    return instance;
+}
+
+/// camera * object_to_world.
+Camera camera_of(const Camera& camera, const TessellationInstance& instance) {
+    Camera out = camera;
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) {
+            float sum = j == 3 ? camera.matrix[12 + i] : 0;
+            for (int k = 0; k < 3; ++k) sum += camera.matrix[4 * k + i] * instance.object_to_world[4 * k + j];
+            out.matrix[4 * j + i] = sum;
+        }
+    return out;
+}
+
+/// 8 units before the origin, looking at it: coefficients that sums of a few stay exact with.
+constexpr Camera kCamera = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 7, 8}, 512, 512};
+
+// Every instance, but those hidden, as its mesh alone through camera * object_to_world and with its own value; commands
+// say where its triangles are, and come to all of them.
+void BatchOnDevice::expect_instances_as_alone(RateMode mode, float value) {
+    std::vector<Surfaces> all;
+    for (const TestMesh& shape : {limn::test::make_prism(5), limn::test::make_torus(6, 4), limn::test::make_cube(),
+                                  limn::test::make_torus(20, 12)})
+        all.push_back(surfaces_of(shape));
+    const Crowd crowd = merge(all);
+    Request request = {{.mode = mode, .value = value, .max_rate = 8, .camera = kCamera, .cull_outside = true,
+                        .cull_backfaces = true}};
+    for (uint32_t i = 0; i < all.size(); ++i) request.instances.push_back(make_instance(i));
+    for (const uint32_t hidden : {~0u, 1u, 3u}) {
+        if (hidden != ~0u) request.instances[hidden].flags |= shared::kInstanceHidden;
+        const Drawn merged = draw_triangles(crowd.merged, request);
+        EXPECT_EQ(merged.result.status, TessellationStatus::complete);
+        uint32_t triangle = 0;
+        for (uint32_t i = 0; i < all.size(); ++i) {
+            Request own = request;
+            own.instances.clear();
+            own.settings.camera = camera_of(kCamera, request.instances[i]);
+            own.settings.value = value * request.instances[i].value_scale;
+            const bool is_hidden = request.instances[i].flags != 0;
+            const Drawn alone = is_hidden ? Drawn{} : draw_triangles(all[i], own);
+            EXPECT_EQ(is_hidden, alone.result.triangle_count == 0);
+            const std::vector<uint32_t> command(merged.commands.begin() + 5 * i, merged.commands.begin() + 5 * i + 5);
+            EXPECT_EQ(command, (std::vector<uint32_t>{3 * alone.result.triangle_count, 1, 3 * triangle, 0, i}));
+            expect_same_triangles(merged, triangle, alone, crowd.meshes[i].ptex_faces.first);
+            triangle += alone.result.triangle_count;
+        }
+        EXPECT_EQ(triangle, merged.result.triangle_count);
+    }
+}
+
+TEST_F(BatchOnDevice, InstancesAreDrawnAsAloneInTheirPlaces) {
+    expect_instances_as_alone(RateMode::uniform, 2);
+    expect_instances_as_alone(RateMode::screen_length, 4);
+    expect_instances_as_alone(RateMode::pixel_error, 0.1f);
+    expect_instances_as_alone(RateMode::distance, 16);
+}
+
+TEST_F(BatchOnDevice, InstancesInStorageBuffersToo) {
+    pretend_gpu();
+    expect_instances_as_alone(RateMode::screen_length, 4);
+}
+
+// All instances share what fits; their commands still come to what is drawn.
+TEST_F(BatchOnDevice, CapacityIsFittedAcrossInstances) {
+    const Surfaces torus = surfaces_of(limn::test::make_torus(6, 4));
+    const Crowd crowd = merge({torus, torus, torus});
+    Request request = {{.value = 8, .max_rate = 8}};
+    for (uint32_t i = 0; i < 3; ++i) request.instances.push_back(make_instance(2 * i));
+    const auto scale_of = [&] {
+        const Drawn drawn = draw_triangles(crowd.merged, request);
+        EXPECT_EQ(drawn.commands[0] + drawn.commands[5] + drawn.commands[10], 3 * drawn.result.triangle_count);
+        EXPECT_LE(drawn.result.triangle_count, request.triangle_capacity);
+        EXPECT_GT(drawn.result.triangle_count, request.triangle_capacity / 2);
+        return drawn.result.rate_scale;
+    };
+    request.triangle_capacity = 3 * 24 * 2 * 25;  // of 64 cells a face 25 or fewer
+    const float all = scale_of();
+    EXPECT_LT(all, 1);
+    request.instances[0].flags = shared::kInstanceHidden;  // more for the others
+    EXPECT_GT(scale_of(), all);
 }
 
 /// Of level-1 points, a grid, and local points of a tessellation.

@@ -57,6 +57,19 @@ struct TessOffsets {
 };
 LIMN_LAYOUT(TessOffsets, 20)
 
+// What an instance of the tables is drawn with: an element of the caller's buffer (TessellationInfo::instances).
+struct TessInstance {
+    float object_to_world[12];  // three rows of four, as VkTransformMatrixKHR
+    float value_scale;          // times RateSettings::value or, of mode per_edge, times the rates given
+    uint flags;                 // kInstance...
+    uint reserved[2];           // not read
+};
+LIMN_LAYOUT(TessInstance, 64)
+const uint kInstanceWords = 16;
+const uint kInstanceHidden = 1;         // no triangles, no vertices but corners, which no triangle refers to
+const uint kInstanceKeepOutside = 2;    // not culled by the frustum
+const uint kInstanceKeepBackfaces = 4;  // not culled by what faces away
+
 // Push constants: what all kernels take, and a payload of each one's own.
 struct TessParams {
     TreeOffsets tree;
@@ -104,6 +117,9 @@ LIMN_FN uint tess_trials(uint rate_edge_count, uint face_count, uint row_count) 
 LIMN_FN uint tess_state_words(uint rate_edge_count, uint face_count, uint row_count) {
     return tess_trials(rate_edge_count, face_count, row_count) + 5u * kTessTrials;
 }
+
+// A draw command: VkDrawIndexedIndirectCommand.
+const uint kTessCommandWords = 5;
 
 // The result: what a caller may read back.
 const uint kTessResultStatus = 0;

@@ -30,7 +30,8 @@ Result<void> check_rates_only(const TessellationInfo& info) {
                                       &info.previous_positions, &info.heights})
         if (points->buffer != VK_NULL_HANDLE) return bad_argument("there are outputs of vertices, but no positions");
     if (info.vertex_capacity != 0 || info.triangle_capacity != 0 || !info.channels.empty() ||
-        info.height_texture.view != VK_NULL_HANDLE || info.triangle_faces.buffer != VK_NULL_HANDLE)
+        info.height_texture.view != VK_NULL_HANDLE || info.triangle_faces.buffer != VK_NULL_HANDLE ||
+        info.instance_commands.buffer != VK_NULL_HANDLE)
         return bad_argument("rates alone are asked for, but also what vertices or triangles have");
     if (auto checked = check_points(info.points, 3); !checked) return checked;
     if (auto checked = check_words(info.result, true); !checked) return checked;
@@ -40,6 +41,7 @@ Result<void> check_rates_only(const TessellationInfo& info) {
 Result<void> check(const TessellationInfo& info) {
     if (info.patches == nullptr || info.table == nullptr) return bad_argument("there are no tables to tessellate");
     if (info.table->face_count != info.patches->ptex_count) return bad_argument("the tables are of different meshes");
+    if (info.instances.offset_bytes % 4 != 0) return bad_argument("the offset of instances is not a multiple of 4");
     if (is_rates_only(info)) return check_rates_only(info);
     const std::pair<const PointBuffer*, uint32_t> outputs[] = {
         {&info.normals, 3}, {&info.places, 4}, {&info.tangents, 4}, {&info.previous_points, 3},
@@ -52,7 +54,7 @@ Result<void> check(const TessellationInfo& info) {
         return bad_argument("previous points and positions go together");
     for (const WordBuffer* words : {&info.indices, &info.command})
         if (auto checked = check_words(*words, false); !checked) return checked;
-    for (const WordBuffer* words : {&info.triangle_faces, &info.result})
+    for (const WordBuffer* words : {&info.triangle_faces, &info.result, &info.instance_commands})
         if (auto checked = check_words(*words, true); !checked) return checked;
     if (auto checked = check_words(info.edge_rates, info.mode != RateMode::per_edge); !checked) return checked;
     if (auto checked = check_optional(info.heights, 3); !checked) return checked;
@@ -174,6 +176,7 @@ struct TessellationPreparation {
     Result<void> add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees, const PointBuffer& points,
                            uint32_t width);
     Result<void> add_rates();
+    Result<void> add_instance_commands();
     Result<void> add_triangles();
     Result<void> add_output(const VertexOutput& output, Stage& stage);
     Result<void> add_heights(const std::vector<uint32_t>& channel_sources);
@@ -218,11 +221,24 @@ Result<void> TessellationPreparation::add_rates() {
     const BoundBuffer result_out = bind_optional(info.result, 16, result);
     auto set = add_set(local(0), second, command_out, result_out);
     if (!set) return set.error();
+    // What looks at instances has a set of its own: no binding is left beside the command and the result.
+    auto measured_set = set;
+    p.payload[16] = p.payload[17] = word(shared::kNoFace);
+    if (info.instances.buffer != VK_NULL_HANDLE) {
+        uint32_t base = 0;
+        const BoundBuffer instances = write(info.instances.buffer, info.instances.offset_bytes,
+                                            sizeof(TessellationInstance) * table().instance_count, base);
+        if (base != 0) return bad_argument("the offset of instances is not aligned as the device asks for");
+        measured_set = add_set(local(0), second, instances, instances);
+        if (!measured_set) return measured_set.error();
+        p.payload[16] = p.payload[17] = word(table().instances_offset);
+    }
     const uint64_t edges = table().rate_edge_count, faces = table().face_count,
                    items = uint64_t{table().row_count} + faces;
     Result<void> failed;
     const auto add = [&](TessKernel kernel, uint64_t invocations, const TessParams& constants, uint32_t mode) {
-        auto made = dispatch(kernel, *set, std::max<uint64_t>(invocations, 1), constants, mode);
+        const bool measures = kernel == kTessTargetKernel || kernel == kTessDrawnKernel;
+        auto made = dispatch(kernel, measures ? *measured_set : *set, std::max<uint64_t>(invocations, 1), constants, mode);
         if (!made && failed) failed = made.error();
         return made ? *made : Dispatch{};
     };
@@ -248,6 +264,23 @@ Result<void> TessellationPreparation::add_rates() {
     out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
     out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
     return failed;
+}
+
+Result<void> TessellationPreparation::add_instance_commands() {
+    if (info.instance_commands.buffer == VK_NULL_HANDLE) return {};
+    uint32_t base = 0;
+    const uint64_t bytes = 4ull * shared::kTessCommandWords * table().instance_count;
+    const BoundBuffer commands = write(info.instance_commands.buffer, info.instance_commands.offset_bytes, bytes, base);
+    auto set = add_set(local(0), local(0), commands, commands);
+    if (!set) return set.error();
+    TessParams p = params(table().vertices.offsets);
+    p.payload[0] = word(base);
+    p.payload[1] = word(table().instances_offset);
+    p.payload[2] = word(info.number_instances ? 1 : 0);
+    auto made = dispatch(kTessCommandsKernel, *set, std::max(table().instance_count, 1u), p);
+    if (!made) return made.error();
+    out.rates.push_back({*made});
+    return {};
 }
 
 /// How many elements of so many bytes are bound at once.
@@ -466,6 +499,7 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     if (auto added = preparation.add_local(*info.patches, table.vertices, info.points, 3); !added) return added.error();
     if (auto added = preparation.add_rates(); !added) return added.error();
     if (is_rates_only(info)) return tessellation;
+    if (auto added = preparation.add_instance_commands(); !added) return added.error();
     if (auto added = preparation.add_triangles(); !added) return added.error();
     if (auto added = preparation.add_outputs(); !added) return added.error();
     return tessellation;

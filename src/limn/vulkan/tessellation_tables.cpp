@@ -3,6 +3,22 @@
 #include "limn/vulkan/table_upload.h"
 
 namespace limn::vk {
+namespace {
+
+/// Their count, the first face of each, and the end of the last.
+Array<uint32_t> list_instances(const TessellationTable& table) {
+    const uint32_t count = table.instance_count();
+    Array<uint32_t> words;
+    words.allocate(size_t{count} + 2);
+    words[0] = count;
+    words[1] = 0;
+    words[2] = table.face_count;
+    std::copy(table.instance_faces.begin(), table.instance_faces.end(), words.begin() + 1);
+    return words;
+}
+
+}  // namespace
+
 Result<TessellationTableUpload> record_tessellation_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                                  const TessellationTable& table,
                                                                  const PatchTreeTable& vertices,
@@ -41,6 +57,9 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
     std::copy(table.corner_copies.begin(), table.corner_copies.end(), copies.begin());
     std::copy(table.row_copies.begin(), table.row_copies.end(), copies.begin() + table.corner_copies.size());
     sections.push_back(section_of(copies, out.offsets.copies));
+    const Array<uint32_t> instances = list_instances(table);
+    out.instance_count = table.instance_count();
+    sections.push_back(section_of(instances, out.instances_offset));
     auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
     if (!words) return words.error();
     out.words = std::move(*words);

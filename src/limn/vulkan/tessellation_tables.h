@@ -19,8 +19,10 @@ struct DeviceTessellationTable {
     uint32_t rate_edge_count = 0;
     uint32_t corner_copy_count = 0;
     uint32_t row_copy_count = 0;
+    uint32_t instance_count = 1;
     uint32_t max_rate = 0;  ///< the least of the patch trees'
     shared::TessOffsets offsets = {};
+    uint32_t instances_offset = 0;  ///< in words: instance_count, then TessellationTable::instance_faces
     DevicePatchTrees vertices;
     std::vector<DevicePatchTrees> channels;
     Buffer words;

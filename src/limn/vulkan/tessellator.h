@@ -15,6 +15,10 @@ struct WordBuffer {
     VkDeviceSize offset_bytes = 0;
 };
 
+/// An element of TessellationInfo::instances, 64 bytes: limn/shared/tess_params.h. value_scale 1 leaves RateSettings::value
+/// as it is; flags are kInstanceHidden, kInstanceKeepOutside and kInstanceKeepBackfaces.
+using TessellationInstance = shared::TessInstance;
+
 /// Values of a face-varying channel, `width` floats per vertex of the tessellation.
 struct TessellatedChannel {
     uint32_t channel = 0;  ///< of DeviceTessellationTable::channels
@@ -48,6 +52,11 @@ struct TessellationInfo {
     bool cull_outside = false;    ///< as RateSettings
     bool cull_backfaces = false;
     WordBuffer edge_rates = {};  ///< of mode per_edge: a float for each rate edge; kSourceUsage
+    /// Optional: a TessellationInstance for each of table->instance_count, as merge_tessellation_tables numbers them. Rates
+    /// and culling then see the world that object_to_world leads to; the camera is the world's, `bound` stays the
+    /// object's. What is written stays the object's, too. Read by record_rates, so that host or kernels may write it every
+    /// frame; visible to kKernelReads. STORAGE_BUFFER usage; the offset is a multiple of minStorageBufferOffsetAlignment.
+    WordBuffer instances = {};
 
     uint32_t vertex_capacity = 0;
     uint32_t triangle_capacity = 0;
@@ -75,6 +84,11 @@ struct TessellationInfo {
     bool clockwise = false;          ///< triangles run against the faces of the control mesh, which are counter-clockwise
     WordBuffer triangle_faces = {};  ///< optional: triangle_capacity words, the ptex face of each triangle
     WordBuffer command = {};         ///< one VkDrawIndexedIndirectCommand
+    /// Optional: a VkDrawIndexedIndirectCommand for each of table->instance_count, 20 bytes apart: that instance's triangles
+    /// of `indices`, none where it is hidden or nothing is drawn. firstInstance is the instance's number, which takes the
+    /// feature drawIndirectFirstInstance (drawCount > 1: multiDrawIndirect), or 0.
+    WordBuffer instance_commands = {};
+    bool number_instances = true;
     WordBuffer result = {};          ///< optional: a TessellationResult
 };
 

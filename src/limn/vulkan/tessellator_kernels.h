@@ -6,6 +6,8 @@
 
 #include "limn_kernels/tess_budget.h"
 #include "limn_kernels/tess_budget_texel.h"
+#include "limn_kernels/tess_commands.h"
+#include "limn_kernels/tess_commands_texel.h"
 #include "limn_kernels/tess_copy.h"
 #include "limn_kernels/tess_copy_texel.h"
 #include "limn_kernels/tess_count.h"
@@ -42,6 +44,7 @@ enum TessKernel : uint32_t {
     kTessCountKernel,
     kTessScanKernel,
     kTessOffsetKernel,
+    kTessCommandsKernel,
     kTessVerticesKernel,
     kTessCopyKernel,
     kTessTrianglesKernel,
@@ -55,7 +58,8 @@ inline std::span<const uint32_t> tess_kernel_spirv(TessKernel kernel, bool texel
     const std::span<const uint32_t> spirv[kTessKernelCount][2] = {
         {kTessBudget, kTessBudgetTexel},     {kTessTarget, kTessTargetTexel}, {kTessDrawn, kTessDrawnTexel},
         {kTessTrial, kTessTrialTexel},       {kTessRound, kTessRoundTexel},   {kTessCount, kTessCountTexel},
-        {kTessScan, kTessScanTexel},         {kTessOffset, kTessOffsetTexel}, {kTessVertices, kTessVerticesTexel},
+        {kTessScan, kTessScanTexel},         {kTessOffset, kTessOffsetTexel},
+        {kTessCommands, kTessCommandsTexel}, {kTessVertices, kTessVerticesTexel},
         {kTessCopy, kTessCopyTexel},         {kTessTriangles, kTessTrianglesTexel},
         {kTessDisplace, kTessDisplaceTexel}, {kTessHeight, kTessHeightTexel}};
     return spirv[kernel][texel ? 1 : 0];
