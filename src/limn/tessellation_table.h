@@ -47,7 +47,7 @@ struct TessellationTableOptions {
     bool split_creases = true;
     /// Face-varying channels whose seams split vertices.
     std::span<const uint32_t> channels;
-    BuildControl* control = nullptr;  ///< as PatchTableOptions::control
+    BuildPart control = {};  ///< as RefinementOptions::control
 };
 
 /// Errors: index_out_of_range (a channel), too_large (2^28 ptex faces or more), cancelled.
