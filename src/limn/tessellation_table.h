@@ -46,7 +46,7 @@ struct TessellationTableOptions {
     /// own there. Otherwise its normal is that of one of them.
     bool split_creases = true;
     /// Face-varying channels whose seams split vertices.
-    std::span<const uint32_t> channels;
+    std::span<const uint32_t> channels = {};
     BuildPart control = {};  ///< as RefinementOptions::control
 };
 
