@@ -5,11 +5,13 @@
 
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <thread>
 #include <vector>
 
 #include "limn/async_build.h"
 #include "limn/patch_tree.h"
+#include "limn/refined_grid.h"
 #include "limn/tessellation_table.h"
 
 namespace limn {
@@ -39,6 +41,8 @@ ControlMesh make_mesh(uint32_t side) {
     d.face_vertices = vertices;
     d.crease_vertices = creases;
     d.crease_sharpness = sharpness;
+    const FaceVaryingDescription channel{d.vertex_count, vertices};
+    d.channels = {&channel, 1};
     return *ControlMesh::create(d);
 }
 
@@ -73,19 +77,89 @@ TEST(BuildControl, StopsBuildersBeforeTheyBegin) {
     EXPECT_EQ(control.progress(), 1);
 }
 
+/// Every builder, as one that takes a control.
+struct Builder {
+    const char* name;
+    std::function<Result<void>(const BuildPart&)> build;
+};
+template <class T>
+Result<void> outcome(const Result<T>& result) {
+    if (!result) return result.error();
+    return {};
+}
+std::vector<Builder> make_builders(const ControlMesh& mesh, const Refinement& base, const PatchTable& patches) {
+    return {
+        {"patch table", [&](auto& part) { return outcome(build_patch_table<float>(mesh, {.control = part})); }},
+        {"face-varying patch table",
+         [&](auto& part) { return outcome(build_face_varying_patch_table<float>(mesh, 0, {.control = part})); }},
+        {"tessellation table",
+         [&](auto& part) { return outcome(build_tessellation_table(mesh, {.control = part})); }},
+        {"patch trees", [&](auto& part) { return outcome(build_patch_trees(patches, {.control = part})); }},
+        {"grid table", [&](auto& part) { return outcome(build_grid_table(patches, {.control = part})); }},
+        {"refined grid",
+         [&](auto& part) { return outcome(build_refined_grid_table(base, {.level = 3, .control = part})); }},
+        {"refinement",
+         [&](auto& part) { return outcome(build_refinement(mesh, {.level = 2, .control = part})); }},
+        {"face-varying refinement",
+         [&](auto& part) { return outcome(build_face_varying_refinement(mesh, 0, {.level = 2, .control = part})); }},
+        {"step table",
+         [&](auto& part) { return outcome(build_step_table<float>(base, 1, Interpolation::vertex, part)); }},
+        {"stencil table",
+         [&](auto& part) { return outcome(build_stencil_table<float>(base, 2, Interpolation::vertex, part)); }},
+        {"limit table", [&](auto& part) { return outcome(build_limit_table<float>(base, 1, true, part)); }},
+    };
+}
+
+TEST(BuildControl, StopsEveryBuilderAtAnyMoment) {
+    const ControlMesh mesh = make_mesh(40);
+    const auto base = build_refinement(mesh, {.level = 0, .full_last_level = true});
+    const auto patches = build_patch_table<float>(mesh, {});
+    ASSERT_TRUE(base && patches);
+    for (const Builder& builder : make_builders(mesh, *base, *patches)) {
+        SCOPED_TRACE(builder.name);
+        BuildControl control;
+        ASSERT_TRUE(builder.build(&control));
+        EXPECT_EQ(control.progress(), 1);
+        ASSERT_TRUE(builder.build({&control, 0.25f, 0.5f}));
+        EXPECT_EQ(control.progress(), 0.5f);
+        int cancelled = 0;
+        for (int step = 0; step <= 40; ++step) {
+            control.reset();
+            std::atomic<bool> done = false;
+            std::thread canceller([&] {
+                while (!done && control.progress() < static_cast<float>(step) / 40) std::this_thread::yield();
+                control.cancel();
+            });
+            const Result<void> result = builder.build(&control);
+            done = true;
+            canceller.join();
+            if (result) {
+                EXPECT_EQ(control.progress(), 1);
+            } else {
+                EXPECT_EQ(result.error().code, ErrorCode::cancelled);
+                ++cancelled;
+            }
+        }
+        EXPECT_GT(cancelled, 0);
+        control.cancel();
+        EXPECT_FALSE(builder.build(&control));
+    }
+}
+
 TEST(BuildControl, ProgressRisesToOne) {
     const ControlMesh mesh = make_mesh(60);
     auto build = AsyncBuild<PatchTable>::start(
         [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}); });
+    ASSERT_TRUE(build);
     float last = 0;
-    while (!build.is_ready()) {
-        const float now = build.progress();
+    while (!build->is_ready()) {
+        const float now = build->progress();
         ASSERT_GE(now, last);
         ASSERT_LE(now, 1);
         last = now;
     }
-    EXPECT_EQ(build.progress(), 1);
-    EXPECT_TRUE(build.take());
+    EXPECT_EQ(build->progress(), 1);
+    EXPECT_TRUE(build->take());
 }
 
 /// Whatever the moment, the cache serves later builds as before.
@@ -98,9 +172,10 @@ TEST(BuildControl, CancelledAtAnyMomentTheCacheStaysGood) {
     for (int step = 0; step < 20; ++step) {
         auto build = AsyncBuild<PatchTable>::start(
             [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}, &cache); });
+        ASSERT_TRUE(build);
         std::this_thread::sleep_for(std::chrono::microseconds(step * 700));
-        build.cancel();
-        const auto table = build.take();
+        build->cancel();
+        const auto table = build->take();
         if (table) {
             EXPECT_TRUE(equal(*table, *expected));
         } else {
@@ -120,9 +195,12 @@ TEST(AsyncBuild, ManyShareOneCache) {
     ASSERT_TRUE(expected);
     const PlanCache cache;
     std::vector<AsyncBuild<PatchTable>> builds;
-    for (int i = 0; i < 12; ++i)
-        builds.push_back(AsyncBuild<PatchTable>::start(
-            [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}, &cache); }));
+    for (int i = 0; i < 12; ++i) {
+        auto build = AsyncBuild<PatchTable>::start(
+            [&](BuildControl& control) { return build_patch_table<float>(mesh, {.control = &control}, &cache); });
+        ASSERT_TRUE(build);
+        builds.push_back(std::move(*build));
+    }
     for (size_t i = 0; i < builds.size(); i += 3) builds[i].cancel();
     for (size_t i = 0; i < builds.size(); ++i) {
         const auto table = builds[i].take();
@@ -157,8 +235,9 @@ TEST(AsyncBuild, DestructionStopsTheBuild) {
             running = true;
             while (!control.is_cancelled()) std::this_thread::yield();
             stopped = true;
-            return cancelled_error();
+            return BuildPart(&control).check().error();
         });
+        ASSERT_TRUE(build);
         while (!running) std::this_thread::yield();
     }
     EXPECT_TRUE(stopped);

@@ -20,11 +20,11 @@ bool is_regular_face(const Topology& t, uint32_t face, bool linear, const std::v
 }
 
 /// Faces of the base level that are surfaces as they are.
-std::vector<uint8_t> find_whole_faces(const Candidates& c) {
+std::vector<uint8_t> find_whole_faces(const Candidates& c, const BuildPart& part) {
     const Topology& base = c.base;
     std::vector<uint8_t> whole(base.face_count);
     for_each_index(
-        base.face_count,
+        base.face_count, part,
         [&](uint32_t f) {
             auto is_patch = [&] {
                 PatchPoints patch;
@@ -39,20 +39,20 @@ std::vector<uint8_t> find_whole_faces(const Candidates& c) {
 }
 
 /// Surfaces in face order, and the ptex faces that they cover.
-void list_surfaces(const std::vector<uint8_t>& whole, Candidates& out) {
+void list_surfaces(const std::vector<uint8_t>& whole, Candidates& out, const BuildPart& part) {
     const Topology& base = out.base;
     const bool triangles = base.options.scheme == Scheme::loop;
     const uint32_t own_size = triangles ? 3 : 4;
     uint64_t ptex_total = 0, total = 0;
-    for (uint32_t f = 0; f < base.face_count; ++f) {
+    for_each_in_order(base.face_count, part.part(0, 0.3f), [&](uint32_t f) {
         const uint32_t size = base.size_of_face(f);
         ptex_total += size == own_size ? 1 : size;
         if (base.face_holes[f] == 0) total += whole[f] != 0 ? 1 : triangles ? 4 : size;
-    }
+    });
     out.list.reserve(total);
     out.ptex_surfaces.allocate(ptex_total);
     uint32_t* ptex = out.ptex_surfaces.begin();
-    for (uint32_t f = 0; f < base.face_count; ++f) {
+    for_each_in_order(base.face_count, part.part(0.3f, 1), [&](uint32_t f) {
         const uint32_t size = base.size_of_face(f), ptex_count = size == own_size ? 1 : size;
         const auto next = static_cast<uint32_t>(out.list.size());
         if (base.face_holes[f] != 0) {
@@ -68,7 +68,7 @@ void list_surfaces(const std::vector<uint8_t>& whole, Candidates& out) {
             else
                 for (uint32_t j = 0; j < size; ++j) *ptex++ = next + j;
         }
-    }
+    });
 }
 
 /// Makes corner 1 of the patch corner 0.
@@ -149,26 +149,21 @@ class ChunkWalk {
 
 }  // namespace
 
-Candidates find_candidates(const Topology& base, const PlanOptions& options, const BuildControl* control) {
+Candidates find_candidates(const Topology& base, const PlanOptions& options, const BuildPart& part) {
     Candidates out{base, options, {}, 0, {}, {}, {}, {}, {}};
-    if (!options.linear) out.regular_base = find_regular_vertices(base);
-    const std::vector<uint8_t> whole = find_whole_faces(out);
-    if (is_cancelled(control)) return out;
+    if (!options.linear) out.regular_base = find_regular_vertices(base, part.part(0, 0.02f));
+    const std::vector<uint8_t> whole = find_whole_faces(out, part.part(0.02f, 0.2f));
     if (std::find(whole.begin(), whole.end(), 0) != whole.end()) {
-        refine_once(base, true, out.child);
+        refine_once(base, true, out.child, part.part(0.2f, 0.4f));
         out.child_vertex_count = out.child.vertex_count;
-        if (!options.linear) out.regular_child = find_regular_vertices(out.child);
+        if (!options.linear) out.regular_child = find_regular_vertices(out.child, part.part(0.4f, 0.45f));
     }
-    if (is_cancelled(control)) return out;
-    list_surfaces(whole, out);
+    list_surfaces(whole, out, part.part(0.45f, 0.5f));
     out.chunks.resize((out.list.size() + CandidateChunk::kSize - 1) / CandidateChunk::kSize);
     tbb::enumerable_thread_specific<ChunkWalk> walks;
     for_each_index(
-        static_cast<uint32_t>(out.chunks.size()),
-        [&](uint32_t chunk) {
-            if (!is_cancelled(control)) walks.local().walk(out, chunk);
-        },
-        1);
+        static_cast<uint32_t>(out.chunks.size()), part.part(0.5f, 1),
+        [&](uint32_t chunk) { walks.local().walk(out, chunk); }, 1);
     return out;
 }
 

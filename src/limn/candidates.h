@@ -50,8 +50,8 @@ struct Candidates {
     }
 };
 
-/// Lists the surfaces, splits the mesh where they need it, and walks around each. What comes back is incomplete
-/// where `control` cancels it.
-Candidates find_candidates(const Topology& base, const PlanOptions& options, const BuildControl* control);
+/// Lists the surfaces, splits the mesh where they need it, and walks around each. Not to be used where
+/// `part` is cancelled.
+Candidates find_candidates(const Topology& base, const PlanOptions& options, const BuildPart& part);
 
 }  // namespace limn

@@ -86,8 +86,9 @@ struct Cache {
 };
 
 template <class Real>
-void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Cache<Real>& cache) {
-    for_each_group(groups, [&](size_t group, std::span<const Member> members) {
+void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Cache<Real>& cache,
+                const BuildPart& part) {
+    for_each_group(groups, part, [&](size_t group, std::span<const Member> members, BuildSteps& steps) {
         std::vector<uint32_t> row_sizes;
         {
             Program program;
@@ -105,7 +106,7 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Ca
                 share_rows(supports, weights, cache.rows[group]);
             }
         }
-        for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+        for_each_member(members, steps, [&](const Member& member, MemberScratch& scratch) {
             for_each_target(job, member, scratch.vertices, [&](size_t target, uint32_t v, bool owned) {
                 if (owned) sizes[v] = row_sizes[target];
             });
@@ -114,8 +115,9 @@ void find_sizes(const Job& job, const Groups& groups, Array<uint32_t>& sizes, Ca
 }
 
 template <class Real>
-void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& table, Cache<Real>& cache) {
-    for_each_group(groups, [&](size_t group, std::span<const Member> members) {
+void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& table, Cache<Real>& cache,
+                 const BuildPart& part) {
+    for_each_group(groups, part, [&](size_t group, std::span<const Member> members, BuildSteps& steps) {
         SharedRows<Real> rows = std::move(cache.rows[group]);
         if (rows.empty()) {
             Program program;
@@ -126,7 +128,7 @@ void write_table(const Job& job, const Groups& groups, BasicStencilTable<Real>& 
             run_weights(program, weights);
             share_rows(supports, weights, rows);
         }
-        for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+        for_each_member(members, steps, [&](const Member& member, MemberScratch& scratch) {
             write_rows(job, member, rows, table, scratch.hood, scratch.vertices);
         });
     });
@@ -143,11 +145,15 @@ uint32_t base_face_of(const Refinement& refinement, uint32_t level, uint32_t f) 
 
 template <class Real>
 Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const ComposeOptions& options) {
-    const Result<Job> made = make_job(refinement, options);
+    const BuildPart& part = options.control;
+    if (auto ok = part.start(); !ok) return ok.error();
+    ComposeOptions job_options = options;
+    job_options.control = part.part(0, 0.05f);
+    const Result<Job> made = make_job(refinement, job_options);
     if (!made) return made.error();
     const Job& job = *made;
     const Topology& base = job.base();
-    const Result<Groups> grouped = group_faces(job);
+    const Result<Groups> grouped = group_faces(job, part.part(0.05f, 0.3f));
     if (!grouped) return grouped.error();
     const Groups& groups = *grouped;
     BasicStencilTable<Real> table;
@@ -157,7 +163,8 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
     cache.rows.resize(groups.first.size() - 1);
     cache.budget_bytes =
         int64_t{2 * sizeof(Real)} * job.counts.back().vertices;  // a tenth of the table or so
-    find_sizes(job, groups, table.offsets, cache);
+    find_sizes(job, groups, table.offsets, cache, part.part(0.3f, 0.6f));
+    if (auto ok = part.check(); !ok) return ok.error();
     for_each_loose_vertex(base, [&](uint32_t v) { table.offsets[v] = 1; });
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     const size_t entries = table.offsets.back();
@@ -167,7 +174,7 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
         table.tangent1_weights.allocate(entries);
         table.tangent2_weights.allocate(entries);
     }
-    write_table(job, groups, table, cache);
+    write_table(job, groups, table, cache, part.part(0.6f, 0.98f));
     for_each_loose_vertex(base, [&](uint32_t v) {
         const uint32_t at = table.offsets[v];
         table.indices[at] = refinement.control_indices.empty() ? v : refinement.control_indices[v];
@@ -175,6 +182,7 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
         if (table.tangent1_weights.empty()) return;
         table.tangent1_weights[at] = table.tangent2_weights[at] = 0;
     });
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return table;
 }
 

@@ -11,6 +11,7 @@ struct ComposeOptions {
     uint32_t level;  ///< whose vertices the rows make; at least 1 for Target::refined
     Interpolation interpolation;
     Target target;
+    BuildPart control = {};
 };
 
 template <class Real>

@@ -14,14 +14,15 @@ const Error kTooWide{ErrorCode::unsupported,
 
 /// Composed rows grow with the square of a valence; past this many faces around one face they are not worth
 /// having, and walks around faces would take that square of time, too.
-bool is_walkable(const Topology& t) {
+bool is_walkable(const Topology& t, const BuildPart& part) {
     constexpr size_t kMaxFacesAround = 16384;
-    for (uint32_t f = 0; f < t.face_count; ++f) {
+    bool walkable = true;
+    for_each_in_order(t.face_count, part, [&](uint32_t f) {
         size_t faces = 0;
         for (const uint32_t v : t.vertices_of_face(f)) faces += t.corners_of_vertex(v).size();
-        if (faces > kMaxFacesAround) return false;
-    }
-    return true;
+        if (faces > kMaxFacesAround) walkable = false;
+    });
+    return walkable;
 }
 
 }  // namespace
@@ -31,24 +32,25 @@ Result<Job> make_job(const Refinement& refinement, const ComposeOptions& options
     if (!counts) return counts.error();
     Job job{refinement, options, std::move(*counts), {}};
     const Topology& base = job.base();
-    if (!is_walkable(base) || (job.uncut() != nullptr && !is_walkable(*job.uncut()))) return kTooWide;
-    for (uint32_t f = 0; f < base.face_count; ++f) {
+    const BuildPart& part = options.control;
+    if (!is_walkable(base, part) || (job.uncut() != nullptr && !is_walkable(*job.uncut(), part))) return kTooWide;
+    for_each_in_order(base.face_size != 0 ? 1 : base.face_count, part, [&](uint32_t f) {
         const uint32_t n = base.size_of_face(f);
         if (job.blocks.count(n) == 0) job.blocks.emplace(n, build_block(base.options, n, options.level));
-        if (base.face_size != 0) break;
-    }
+    });
+    if (auto ok = part.check(); !ok) return ok.error();
     return job;
 }
 
-Result<Groups> group_faces(const Job& job) {
+Result<Groups> group_faces(const Job& job, const BuildPart& part) {
     const Topology& base = job.base();
     Groups groups;
     groups.members.resize(base.face_count);
     std::atomic<size_t> largest_ring{0};
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, base.face_count, 256), [&](const auto& range) {
+    for_each_block(base.face_count, part, 256, [&](uint32_t begin, uint32_t end) {
         Neighborhood hood;
         size_t largest = 0;
-        for (uint32_t f = range.begin(); f != range.end(); ++f) {
+        for (uint32_t f = begin; f != end; ++f) {
             groups.members[f].face = f;
             groups.members[f].orientation = choose_orientation(job.walk(), f, hood, groups.members[f].hash);
             largest = std::max(largest, hood.ring.size());
@@ -57,6 +59,7 @@ Result<Groups> group_faces(const Job& job) {
              seen < largest && !largest_ring.compare_exchange_weak(seen, largest);) {
         }
     });
+    if (auto ok = part.check(); !ok) return ok.error();
     if (largest_ring > std::numeric_limits<uint16_t>::max()) return kTooWide;
     tbb::parallel_sort(groups.members.begin(), groups.members.end(), [](const Member& a, const Member& b) {
         return a.hash != b.hash ? a.hash < b.hash : a.face < b.face;

@@ -2,8 +2,6 @@
 // refined points up to the control points that they refer to. Not part of the public interface.
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <map>
 #include <span>
@@ -11,6 +9,7 @@
 
 #include "limn/face_block.h"
 #include "limn/face_program.h"
+#include "limn/parallel.h"
 
 namespace limn {
 
@@ -35,7 +34,7 @@ struct Job {
     bool with_tangents() const { return options.target == Target::limit_with_tangents; }
 };
 
-/// Errors: too_large (count_levels), unsupported where rows would grow too long.
+/// Errors: too_large (count_levels), unsupported where rows would grow too long, cancelled.
 Result<Job> make_job(const Refinement& refinement, const ComposeOptions& options);
 
 /// Faces ordered by neighbourhood, and where each group starts.
@@ -44,8 +43,8 @@ struct Groups {
     std::vector<uint32_t> first;  ///< one more than groups
 };
 
-/// Errors: unsupported (rings of 2^16 points or more).
-Result<Groups> group_faces(const Job& job);
+/// Errors: unsupported (rings of 2^16 points or more), cancelled.
+Result<Groups> group_faces(const Job& job, const BuildPart& part);
 
 /// The program of the targets over a group's face.
 void write_member_program(const Job& job, const Member& member, Program& program);
@@ -76,13 +75,18 @@ void for_each_target(const Job& job, const Member& member, std::vector<uint32_t>
     for (size_t i = 0; i < corners.size(); ++i) body(i, vertices[corners[i]], owns(i));
 }
 
-/// body(number, members) for each group, groups in parallel.
+/// body(number, members, steps) for each group, groups in parallel; the steps are members.
 template <class Body>
-void for_each_group(const Groups& groups, const Body& body) {
-    tbb::parallel_for(size_t{0}, groups.first.size() - 1, [&](size_t g) {
-        const uint32_t first = groups.first[g], count = groups.first[g + 1] - first;
-        body(g, std::span<const Member>(groups.members.data() + first, count));
-    });
+void for_each_group(const Groups& groups, const BuildPart& part, const Body& body) {
+    BuildSteps steps(part, groups.members.size());
+    for_each_index(
+        static_cast<uint32_t>(groups.first.size() - 1),
+        [&](uint32_t g) {
+            if (steps.is_cancelled()) return;
+            const uint32_t first = groups.first[g], count = groups.first[g + 1] - first;
+            body(g, std::span<const Member>(groups.members.data() + first, count), steps);
+        },
+        1);
 }
 
 /// What writing the rows of one member takes, besides the shared rows.
@@ -93,10 +97,12 @@ struct MemberScratch {
 
 /// body(member, scratch) for the members of one group, in parallel too: a group can be most of the mesh.
 template <class Body>
-void for_each_member(std::span<const Member> members, const Body& body) {
+void for_each_member(std::span<const Member> members, BuildSteps& steps, const Body& body) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, members.size(), 16), [&](const auto& range) {
         MemberScratch scratch;
-        for (size_t i = range.begin(); i != range.end(); ++i) body(members[i], scratch);
+        for (size_t i = range.begin(); i != range.end() && !steps.is_cancelled(); ++i)
+            body(members[i], scratch);
+        steps.add(range.size());
     });
 }
 

@@ -12,12 +12,12 @@ namespace {
 /// Numbers the distinct (vertex, value) pairs and rewrites faces to them. Returns pair ranges per base
 /// vertex.
 Array<uint32_t> number_pairs(const ControlMesh::Channel& channel, const Topology& base, Topology& t,
-                             Array<uint32_t>& control_values) {
+                             Array<uint32_t>& control_values, const BuildPart& part) {
     Array<uint32_t> first_pair;
     first_pair.allocate(size_t{base.vertex_count} + 1);
     std::vector<uint32_t> values;
     values.reserve(base.vertex_count);
-    for (uint32_t v = 0; v < base.vertex_count; ++v) {
+    for_each_in_order(base.vertex_count, part, [&](uint32_t v) {
         const size_t first = values.size();
         first_pair[v] = static_cast<uint32_t>(first);
         for (const uint32_t c : base.corners_of_vertex(v)) {
@@ -29,7 +29,7 @@ Array<uint32_t> number_pairs(const ControlMesh::Channel& channel, const Topology
             if (at == values.end()) at = values.insert(values.end(), value);
             t.face_vertices[c] = static_cast<uint32_t>(at - values.begin());
         }
-    }
+    });
     first_pair.back() = t.vertex_count = static_cast<uint32_t>(values.size());
     control_values.allocate(values.size());
     std::copy(values.begin(), values.end(), control_values.begin());
@@ -135,8 +135,8 @@ float largest_seam_sharpness(const Topology& base, const Array<uint8_t>& cut, ui
     return largest;
 }
 
-void assign_rules(Topology& t) {
-    for_each_index(t.vertex_count, [&](uint32_t v) {
+void assign_rules(Topology& t, const BuildPart& part) {
+    for_each_index(t.vertex_count, part, [&](uint32_t v) {
         uint32_t sharp = 0;
         for (const uint32_t e : t.edges_of_vertex(v)) sharp += t.edge_sharpness[e] > 0;
         t.vertex_rules[v] = vertex_rule(t.vertex_sharpness[v], sharp);
@@ -156,7 +156,7 @@ void make_linear(Topology& t) {
 }  // namespace
 
 Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& base, uint32_t channel,
-                                     Array<uint32_t>& control_values) {
+                                     Array<uint32_t>& control_values, const BuildPart& part) {
     Topology t;
     t.options = base.options;
     t.face_count = base.face_count;
@@ -164,29 +164,29 @@ Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& ba
     t.face_offsets = base.face_offsets;
     t.corner_faces = base.corner_faces;
     t.face_vertices.allocate(base.corner_count());
-    const Array<uint32_t> first_pair = number_pairs(mesh.channels[channel], base, t, control_values);
+    const Array<uint32_t> first_pair = number_pairs(mesh.channels[channel], base, t, control_values, part.part(0, 0.1f));
 
     Array<uint8_t> cut;
     cut.allocate(base.edge_count);
-    for_each_index(base.edge_count, [&](uint32_t e) { cut[e] = is_cut(base, t, e); });
+    for_each_index(base.edge_count, part.part(0.1f, 0.2f), [&](uint32_t e) { cut[e] = is_cut(base, t, e); });
     Array<uint32_t> first;
     first.allocate(base.corner_count());
-    for_each_index(base.corner_count(), [&](uint32_t c) {
+    for_each_index(base.corner_count(), part.part(0.2f, 0.3f), [&](uint32_t c) {
         const uint32_t e = base.face_edges[c];
         first[c] = cut[e] != 0 ? c : base.corners_of_edge(e)[0];
     });
-    build_incidence(t, first);
+    build_incidence(t, first, part.part(0.3f, 0.6f));
     t.vertex_manifold.allocate(t.vertex_count);
     t.vertex_sharpness.allocate(t.vertex_count);
-    for_each_index(base.vertex_count, [&](uint32_t v) {
+    for_each_index(base.vertex_count, part.part(0.6f, 0.65f), [&](uint32_t v) {
         for (uint32_t i = first_pair[v]; i < first_pair[v + 1]; ++i) {
             t.vertex_manifold[i] = base.vertex_manifold[v];
             t.vertex_sharpness[i] = base.vertex_sharpness[v];
         }
     });
-    order_stars(t);
+    order_stars(t, part.part(0.65f, 0.75f));
     t.edge_sharpness.allocate(t.edge_count);
-    for_each_index(base.corner_count(), [&](uint32_t c) {
+    for_each_index(base.corner_count(), part.part(0.75f, 0.8f), [&](uint32_t c) {
         if (first[c] != c) return;
         const uint32_t e = base.face_edges[c];
         t.edge_sharpness[t.face_edges[c]] = cut[e] != 0 ? kInfiniteSharpness : base.edge_sharpness[e];
@@ -195,24 +195,24 @@ Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& ba
     const Rules rules(mesh, interpolation);
     std::vector<uint32_t> dependent;
     std::vector<float> seam_sharpness;
-    for (uint32_t v = 0; v < base.vertex_count; ++v) {
+    for_each_in_order(base.vertex_count, part.part(0.8f, 0.9f), [&](uint32_t v) {
         const uint32_t count = first_pair[v + 1] - first_pair[v];
-        if (count == 0) continue;
+        if (count == 0) return;
         const uint32_t follower = sharpen_pairs(rules, {base, t, cut, v, first_pair[v], count});
-        if (follower == kInvalidIndex) continue;
+        if (follower == kInvalidIndex) return;
         dependent.push_back(follower);
         dependent.push_back(2 * first_pair[v] + 1 - follower);
         seam_sharpness.push_back(largest_seam_sharpness(base, cut, v));
-    }
+    });
     t.dependent_vertices.allocate(dependent.size());
     std::copy(dependent.begin(), dependent.end(), t.dependent_vertices.begin());
     t.dependent_seam_sharpness.allocate(seam_sharpness.size());
     std::copy(seam_sharpness.begin(), seam_sharpness.end(), t.dependent_seam_sharpness.begin());
     if (interpolation == FaceVaryingInterpolation::all) make_linear(t);
     t.vertex_rules.allocate(t.vertex_count);
-    assign_rules(t);
+    assign_rules(t, part.part(0.9f, 0.95f));
     t.face_holes = base.face_holes;
-    build_half_edge_sharpness(t);
+    build_half_edge_sharpness(t, part.part(0.95f, 1));
     return t;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "limn/grid_passes.h"
 #include "limn/parallel.h"
 #include "limn/patch_evaluator.h"
 #include "limn/topology.h"
@@ -167,11 +168,11 @@ GridClass describe_class(const BasicPatchTable<Real>& table, uint32_t plan, size
 /// The rows of a class: the surface over the unit vectors of the ring.
 template <class Real>
 void write_weights(const BasicPatchTable<Real>& table, const ClassKey& key, const Lattices& lattices,
-                   const GridClass& c, GridTable& out) {
+                   const GridClass& c, GridTable& out, BuildSteps& steps) {
     const PatchEvaluator<Real> evaluator{table, lattices.triangles, c.ring_size};
     PatchScratch scratch;
     const auto& [coordinates, is_child] = lattices.lattices[key.second];
-    for (uint32_t s = 0; s < c.sample_count; ++s) {
+    for (uint32_t s = 0; s < c.sample_count && !steps.is_cancelled(); ++s) {
         scratch.ring.assign(size_t{c.ring_size} * c.ring_size, 0.0);
         for (size_t j = 0; j < c.ring_size; ++j) scratch.ring[j * c.ring_size + j] = 1;
         const auto [x, y] = coordinates[s];
@@ -187,12 +188,13 @@ void write_weights(const BasicPatchTable<Real>& table, const ClassKey& key, cons
                 out.weights[4 * group + j % 4] = j < c.ring_size ? static_cast<float>(row[j]) : 0.0f;
             }
         }
+        steps.add(1);
     }
 }
 
 template <class Real>
 std::vector<GridSurface> list_surfaces(const BasicPatchTable<Real>& table, Lattices& lattices,
-                                       std::vector<ClassKey>& keys) {
+                                       std::vector<ClassKey>& keys, const BuildPart& part) {
     std::vector<GridSurface> surfaces;
     std::map<ClassKey, uint32_t> numbers;
     auto add = [&](uint32_t face, uint32_t surface_index, uint32_t child) {
@@ -204,15 +206,12 @@ std::vector<GridSurface> list_surfaces(const BasicPatchTable<Real>& table, Latti
         if (is_new) keys.push_back(key);
         surfaces.push_back({surface.first_ring, face, placed.placement, at->second});
     };
-    for (uint32_t f = 0; f < table.ptex_surfaces.size(); ++f) {
+    for_each_in_order(static_cast<uint32_t>(table.ptex_surfaces.size()), part, [&](uint32_t f) {
         const uint32_t word = table.ptex_surfaces[f];
-        if (word == shared::kPtexHole) continue;
-        if ((word & shared::kPtexSplit) == 0) {
-            add(f, word, kWhole);
-            continue;
-        }
+        if (word == shared::kPtexHole) return;
+        if ((word & shared::kPtexSplit) == 0) return add(f, word, kWhole);
         for (uint32_t child = 0; child < 4; ++child) add(f, (word & ~shared::kPtexSplit) + child, child);
-    }
+    });
     return surfaces;
 }
 
@@ -224,6 +223,8 @@ Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const Gri
         return Error{ErrorCode::invalid_argument,
                      "rate " + std::to_string(options.rate) + " is not within 1 and 256"};
     if (options.samples_per_pass == 0) return Error{ErrorCode::invalid_argument, "passes hold no samples"};
+    const BuildPart& part = options.control;
+    if (auto ok = part.start(); !ok) return ok.error();
     GridTable out;
     const bool triangles = table.options.scheme == Scheme::loop;
     out.rate = options.rate;
@@ -235,31 +236,47 @@ Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const Gri
     out.total_sample_count = uint64_t{out.ptex_count} * out.samples_per_face;
     Lattices lattices{options, triangles, out};
     std::vector<ClassKey> keys;
-    std::vector<GridSurface> surfaces = list_surfaces(table, lattices, keys);
-    std::stable_sort(surfaces.begin(), surfaces.end(), [&](const GridSurface& a, const GridSurface& b) {
-        const uint32_t pass_a = a.ptex_face / out.faces_per_pass, pass_b = b.ptex_face / out.faces_per_pass;
-        return pass_a != pass_b ? pass_a < pass_b : a.grid_class < b.grid_class;
-    });
-    uint64_t groups = 0;
+    std::vector<GridSurface> surfaces = list_surfaces(table, lattices, keys, part.part(0, 0.3f));
+    sort_passes(surfaces, out.faces_per_pass, part.part(0.3f, 0.4f));
+    uint64_t groups = 0, samples = 0;
     for (const ClassKey& key : keys) {
         out.classes.push_back(describe_class(table, key.first, lattices.lattices[key.second].first.size()));
         GridClass& c = out.classes.back();
         c.first_weight = static_cast<uint32_t>(groups);
         groups += uint64_t{c.group_count} * out.value_count * c.sample_count;
+        samples += c.sample_count;
         if (groups * 16 > options.max_weight_bytes)
             return Error{ErrorCode::too_large,
                          "a grid of rate " + std::to_string(options.rate) + " needs more than " +
                              std::to_string(options.max_weight_bytes >> 20) + " MiB of weights"};
     }
     out.weights.allocate(groups * 4);
+    BuildSteps steps(part.part(0.4f, 0.98f), samples);
     for_each_index(
         static_cast<uint32_t>(keys.size()),
-        [&](uint32_t i) { write_weights(table, keys[i], lattices, out.classes[i], out); }, 1);
+        [&](uint32_t i) { write_weights(table, keys[i], lattices, out.classes[i], out, steps); }, 1);
     out.surfaces.allocate(surfaces.size());
     std::copy(surfaces.begin(), surfaces.end(), out.surfaces.begin());
     out.placement_samples.allocate(lattices.samples.size());
     std::copy(lattices.samples.begin(), lattices.samples.end(), out.placement_samples.begin());
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
+}
+
+void sort_passes(std::span<GridSurface> surfaces, uint32_t faces_per_pass, const BuildPart& part) {
+    std::vector<size_t> first;
+    for (size_t i = 0; i < surfaces.size(); ++i)
+        if (i == 0 || surfaces[i].ptex_face / faces_per_pass != surfaces[i - 1].ptex_face / faces_per_pass)
+            first.push_back(i);
+    const auto pass_count = static_cast<uint32_t>(first.size());
+    first.push_back(surfaces.size());
+    auto sort = [&](uint32_t pass) {
+        const auto at = [&](uint32_t p) { return surfaces.begin() + static_cast<ptrdiff_t>(first[p]); };
+        std::stable_sort(at(pass), at(pass + 1), [](const GridSurface& a, const GridSurface& b) {
+            return a.grid_class < b.grid_class;
+        });
+    };
+    for_each_index(pass_count, part, sort, 1);
 }
 
 std::vector<PatchSample> list_grid_samples(Scheme scheme, uint32_t ptex_count, uint32_t rate) {

@@ -21,6 +21,7 @@ struct GridOptions {
     uint32_t samples_per_pass = uint32_t{1} << 22;
     /// Bytes of weights that are not exceeded: their number grows with the square of the rate, for each plan.
     uint64_t max_weight_bytes = uint64_t{256} << 20;
+    BuildPart control = {};  ///< as RefinementOptions::control
 };
 
 /// Surfaces with a plan and lattice in common. Value k (0; with derivatives also 1 and 2: du and dv, by the
@@ -95,7 +96,7 @@ struct GridTable {
 
 /// Weights are computed in double, from those of the table; on all cores. At an extraordinary vertex those of
 /// du and dv are the limit tangents'. Errors: invalid_argument (rate, samples_per_pass), too_large
-/// (max_weight_bytes: evaluate samples instead).
+/// (max_weight_bytes: evaluate samples instead), cancelled.
 template <class Real>
 Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const GridOptions& options);
 

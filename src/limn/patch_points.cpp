@@ -232,10 +232,10 @@ bool is_regular_corner(const Topology& t, uint32_t c) {
     return classify(t, c).kind != CornerKind::irregular;
 }
 
-std::vector<uint8_t> find_regular_vertices(const Topology& t) {
+std::vector<uint8_t> find_regular_vertices(const Topology& t, const BuildPart& part) {
     std::vector<uint8_t> regular(t.vertex_count);
     const size_t valence = t.options.scheme == Scheme::loop ? 6 : 4;
-    for_each_index(t.vertex_count, [&](uint32_t v) { regular[v] = is_plain_vertex(t, v, valence); });
+    for_each_index(t.vertex_count, part, [&](uint32_t v) { regular[v] = is_plain_vertex(t, v, valence); });
     return regular;
 }
 

@@ -40,7 +40,7 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
 bool is_regular_corner(const Topology& t, uint32_t c);
 
 /// One for each vertex: 1 where it is smooth, and nothing but 4 quads (Loop: 6 triangles) lie around it.
-std::vector<uint8_t> find_regular_vertices(const Topology& t);
+std::vector<uint8_t> find_regular_vertices(const Topology& t, const BuildPart& part = {});
 
 /// The points of a face of the scheme's own size all of whose vertices are regular, in the order of its patch
 /// (as find_patch_points, but quicker). `linear`: of any face of that size. Returns how many.

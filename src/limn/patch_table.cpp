@@ -15,7 +15,7 @@ namespace limn {
 namespace {
 
 /// The number, in `plans`, of the plan of each kind: chunk by chunk.
-std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plans) {
+std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plans, const BuildPart& part) {
     std::unordered_map<PlanHash, uint32_t, PlanHashHash> found;
     const PlanHash options_hash = hash_signature(begin_plan_key(c.base.options, c.options));
     Neighborhood hood;
@@ -38,7 +38,7 @@ std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plan
     };
     std::vector<std::vector<uint32_t>> numbers(c.chunks.size());
     uint32_t regular = kInvalidIndex;
-    for (size_t i = 0; i < c.chunks.size(); ++i)
+    auto number_kinds = [&](uint32_t i) {
         for (const CandidateChunk::Kind& kind : c.chunks[i].kinds) {
             if (kind.regular) {
                 if (regular == kInvalidIndex) regular = find_regular();
@@ -49,6 +49,8 @@ std::vector<std::vector<uint32_t>> find_plans(const Candidates& c, PlanSet& plan
             if (is_new) at->second = find_irregular(kind);
             numbers[i].push_back(at->second);
         }
+    };
+    for_each_in_order(static_cast<uint32_t>(c.chunks.size()), part, number_kinds, 1);
     return numbers;
 }
 
@@ -64,7 +66,7 @@ struct PlanCopy {
         if (is_new) order.push_back(plan);
         return at->second;
     }
-    Result<void> copy() {
+    Result<void> copy(const BuildPart& part) {
         uint64_t weights = 0, nodes = 0, points = 0;
         for (size_t i = 0; i < order.size(); ++i) {
             weights += order[i]->weights.size();
@@ -89,7 +91,7 @@ struct PlanCopy {
             point += static_cast<uint32_t>(plan.points.size());
         }
         for_each_index(
-            static_cast<uint32_t>(order.size()), [&](uint32_t i) { copy(*order[i], table.plans[i]); }, 4);
+            static_cast<uint32_t>(order.size()), part, [&](uint32_t i) { copy(*order[i], table.plans[i]); }, 4);
         return {};
     }
     void copy(const BuiltPlan& plan, const Plan& to) {
@@ -127,14 +129,17 @@ void for_each_ring(const Candidates& c, size_t chunk, const Body& body) {
 template <class Real>
 Result<void> write_surfaces(const Candidates& c, const PlanSet& plans,
                             std::vector<std::vector<uint32_t>>& numbers,
-                            const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table) {
+                            const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table,
+                            const BuildPart& part) {
     PlanCopy<Real> copy{table};
-    for (auto& of_chunk : numbers)
-        for (uint32_t& number : of_chunk) number = copy.number(plans.plan(number));
-    if (auto ok = copy.copy(); !ok) return ok.error();
+    auto find_copies = [&](uint32_t chunk) {
+        for (uint32_t& number : numbers[chunk]) number = copy.number(plans.plan(number));
+    };
+    for_each_in_order(static_cast<uint32_t>(numbers.size()), part.part(0, 0.3f), find_copies, 64);
+    if (auto ok = copy.copy(part.part(0.3f, 0.6f)); !ok) return ok.error();
     table.surfaces.allocate(c.list.size());
     for_each_index(
-        static_cast<uint32_t>(c.chunks.size()),
+        static_cast<uint32_t>(c.chunks.size()), part.part(0.6f, 1),
         [&](uint32_t chunk) {
             for_each_ring(c, chunk, [&](const Candidate& at, size_t number, size_t first) {
                 table.surfaces[number] = {shared::pack_surface(numbers[chunk][at.kind], at.rotation),
@@ -148,11 +153,12 @@ Result<void> write_surfaces(const Candidates& c, const PlanSet& plans,
 /// The points that surfaces need, and which of them are theirs.
 template <class Real>
 Result<void> write_rings(const Candidates& c, const Refinement& source,
-                         const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table) {
+                         const std::vector<uint64_t>& chunk_rings, BasicPatchTable<Real>& table,
+                         const BuildPart& part) {
     const auto chunk_count = static_cast<uint32_t>(c.chunks.size());
     std::vector<uint32_t> point_of_child(c.child_vertex_count, kInvalidIndex);
-    auto for_each_chunk = [&](const auto& body) { for_each_index(chunk_count, body, 4); };
-    for_each_chunk([&](uint32_t chunk) {
+    auto for_each_chunk = [&](const BuildPart& p, const auto& body) { for_each_index(chunk_count, p, body, 4); };
+    for_each_chunk(part.part(0, 0.1f), [&](uint32_t chunk) {
         for_each_ring(c, chunk, [&](const Candidate& at, size_t, size_t first) {
             if (at.refined == 0) return;
             for (size_t k = first; k < first + at.ring_size; ++k)
@@ -163,12 +169,12 @@ Result<void> write_rings(const Candidates& c, const Refinement& source,
     if (chunk_rings.back() > kInvalidIndex || children + table.control_count + 64 > kInvalidIndex)
         return Error{ErrorCode::too_large, "rings of 2^32 points or more"};
     if (auto ok = build_refined_points<Real>(c.base, c.options.linear, source.control_indices, point_of_child,
-                                             table);
+                                             table, part.part(0.1f, 0.8f));
         !ok)
         return ok.error();
     Array<uint32_t> points;
     points.allocate(chunk_rings.back());
-    for_each_chunk([&](uint32_t chunk) {
+    for_each_chunk(part.part(0.8f, 0.9f), [&](uint32_t chunk) {
         const std::vector<uint32_t>& rings = c.chunks[chunk].rings;
         uint32_t* const to = points.data() + chunk_rings[chunk];
         for_each_ring(c, chunk, [&](const Candidate& at, size_t, size_t first) {
@@ -178,9 +184,11 @@ Result<void> write_rings(const Candidates& c, const Refinement& source,
                                                           : rings[k];
         });
     });
-    table.ring_points = pack_indices(std::move(points), table.point_count());
+    table.ring_points = pack_indices(std::move(points), table.point_count(), part.part(0.9f, 0.95f));
     return {};
 }
+
+constexpr float kTopologyEnd = 0.25f;  ///< of progress
 
 template <class Real>
 Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOptions& options,
@@ -201,22 +209,20 @@ Result<BasicPatchTable<Real>> build(const Refinement& source, const PatchTableOp
         options.interpolation == Interpolation::varying || base.options.scheme == Scheme::bilinear;
     const uint32_t depth =
         options.end_cap == EndCap::exact ? options.plan_depth : options.isolation_level - 1;
-    if (auto ok = reach(options.control, 0.15f); !ok) return ok.error();
-    Candidates candidates = find_candidates(base, {linear, options.end_cap, depth}, options.control);
-    if (auto ok = reach(options.control, 0.6f); !ok) return ok.error();
+    const BuildPart& part = options.control;
+    Candidates candidates = find_candidates(base, {linear, options.end_cap, depth}, part.part(kTopologyEnd, 0.7f));
+    if (auto ok = part.check(); !ok) return ok.error();
     const std::vector<uint64_t> chunk_rings = find_chunk_rings(candidates);
     table.ptex_surfaces = std::move(candidates.ptex_surfaces);
 
     const PlanCache own;
     PlanSet plans(candidates.options, (shared != nullptr ? *shared : own).impl());
-    auto numbers = find_plans(candidates, plans);
-    if (auto ok = plans.build(options.control); !ok) return ok.error();
-    if (auto ok = reach(options.control, 0.75f); !ok) return ok.error();
+    auto numbers = find_plans(candidates, plans, part.part(0.7f, 0.75f));
+    if (auto ok = plans.build(part.part(0.75f, 0.8f)); !ok) return ok.error();
     candidates.child = {};  // most of the memory that there is
-    if (auto ok = write_surfaces(candidates, plans, numbers, chunk_rings, table); !ok) return ok.error();
-    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
-    if (auto ok = write_rings(candidates, source, chunk_rings, table); !ok) return ok.error();
-    if (auto ok = reach(options.control, 1); !ok) return ok.error();
+    if (auto ok = write_surfaces(candidates, plans, numbers, chunk_rings, table, part.part(0.8f, 0.85f)); !ok) return ok.error();
+    if (auto ok = write_rings(candidates, source, chunk_rings, table, part.part(0.85f, 1)); !ok) return ok.error();
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return table;
 }
 
@@ -230,8 +236,8 @@ bool has_semi_sharp_edges(const Topology& t) {
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache) {
-    if (auto ok = reach(options.control, 0); !ok) return ok.error();
-    const auto refinement = build_refinement(mesh, {.level = 0, .full_last_level = true});
+    const auto refinement = build_refinement(
+        mesh, {.level = 0, .full_last_level = true, .control = options.control.part(0, kTopologyEnd)});
     if (!refinement) return refinement.error();
     return build<Real>(*refinement, options, cache);
 }
@@ -240,9 +246,8 @@ template <class Real>
 Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& mesh, uint32_t channel,
                                                              const PatchTableOptions& options,
                                                              const PlanCache* cache) {
-    if (auto ok = reach(options.control, 0); !ok) return ok.error();
     const auto refinement =
-        build_face_varying_refinement(mesh, channel, {.level = 0, .full_last_level = true});
+        build_face_varying_refinement(mesh, channel, {.level = 0, .full_last_level = true, .control = options.control.part(0, kTopologyEnd)});
     if (!refinement) return refinement.error();
     // Sharpness that is not finite stays as it is, on either side of a seam.
     if (!refinement->uncut.empty() && refinement->levels[0].options.scheme != Scheme::bilinear &&

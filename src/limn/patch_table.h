@@ -160,7 +160,7 @@ struct PatchTableOptions {
     /// Semi-sharp features that reach deeper are smooth from there on. OpenSubdiv's adaptive refinement to
     /// the same level, with infinitely sharp and without single-crease patches, has the same patches.
     uint32_t isolation_level = 10;
-    BuildControl* control = nullptr;  ///< to cancel the build and to see its progress; may be null
+    BuildPart control = {};  ///< as RefinementOptions::control
 };
 
 /// Plans already built, for any number of meshes and threads; each build takes what it needs from it and adds

@@ -4,6 +4,7 @@
 #include <bit>
 #include <map>
 
+#include "limn/grid_passes.h"
 #include "limn/parallel.h"
 #include "limn/patch_evaluator.h"
 #include "limn/topology.h"
@@ -213,7 +214,8 @@ void write_class(const Tree& tree, const GridClass& c, GridTable& grid) {
 }
 
 Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees,
-                         const std::vector<uint32_t>& plans, uint64_t max_bytes, GridTable& grid) {
+                         const std::vector<uint32_t>& plans, uint64_t max_bytes, GridTable& grid,
+                         const BuildPart& part) {
     uint64_t groups = 0, samples = 0;
     for (size_t t = 0; t < trees.size(); ++t) {
         const uint32_t ring = table.plans[plans[t]].ring_size;
@@ -235,7 +237,7 @@ Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees
             sample[s] = s < trees[t].rows.size() ? s : kInvalidIndex;
     }
     for_each_index(
-        static_cast<uint32_t>(trees.size()),
+        static_cast<uint32_t>(trees.size()), part,
         [&](uint32_t t) { write_class(trees[t], grid.classes[t], grid); }, 1);
     return {};
 }
@@ -243,12 +245,13 @@ Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees
 /// Gives each surface its local points; none of them crosses a pass.
 Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& trees,
                             const std::vector<uint32_t>& tree_of_plan, const std::vector<uint32_t>& roots,
-                            PatchTreeTable& out) {
+                            PatchTreeTable& out, const BuildPart& part) {
     GridTable& grid = out.local_points;
-    std::vector<GridSurface> surfaces(table.surfaces.size());
+    Array<GridSurface>& surfaces = grid.surfaces;
+    surfaces.allocate(table.surfaces.size());
     out.surfaces.allocate(surfaces.size());
     uint64_t local = 0;
-    for (size_t i = 0; i < surfaces.size(); ++i) {
+    auto place = [&](uint32_t i) {
         const Surface& s = table.surfaces[i];
         const uint32_t tree = tree_of_plan[s.plan()], count = static_cast<uint32_t>(trees[tree].rows.size());
         if (local / grid.faces_per_pass != (local + count - 1) / grid.faces_per_pass)
@@ -257,15 +260,12 @@ Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& tr
         out.surfaces[i] = {shared::pack_surface(roots[tree], s.rotation()), static_cast<uint32_t>(local),
                            trees[tree].point_count};
         local += count;
-        if (local > 0x7fffffff) return Error{ErrorCode::too_large, "2^31 local points or more"};
-    }
+    };
+    for_each_in_order(static_cast<uint32_t>(surfaces.size()), part.part(0, 0.5f), place);
+    if (local > 0x7fffffff) return Error{ErrorCode::too_large, "2^31 local points or more"};
     grid.total_sample_count = local;
-    std::stable_sort(surfaces.begin(), surfaces.end(), [&](const GridSurface& a, const GridSurface& b) {
-        const uint32_t pass_a = a.ptex_face / grid.faces_per_pass, pass_b = b.ptex_face / grid.faces_per_pass;
-        return pass_a != pass_b ? pass_a < pass_b : a.grid_class < b.grid_class;
-    });
-    grid.surfaces.allocate(surfaces.size());
-    std::copy(surfaces.begin(), surfaces.end(), grid.surfaces.begin());
+    if (auto ok = part.check(); !ok) return ok;
+    sort_passes({surfaces.data(), surfaces.size()}, grid.faces_per_pass, part.part(0.5f, 1));
     return {};
 }
 
@@ -279,7 +279,8 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
         return Error{ErrorCode::invalid_argument, "passes hold 65,536 points or more"};
     if (table.end_cap != EndCap::exact)
         return Error{ErrorCode::unsupported, "tessellation of patch tables with Gregory end caps"};
-    if (auto ok = reach(options.control, 0); !ok) return ok.error();
+    const BuildPart& part = options.control;
+    if (auto ok = part.start(); !ok) return ok.error();
     std::vector<uint32_t> tree_of_plan(table.plans.size(), kInvalidIndex), plans;
     for (const Surface& s : table.surfaces) {
         if (tree_of_plan[s.plan()] != kInvalidIndex) continue;
@@ -290,12 +291,9 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     // Rates are measured at quarters of edges, whatever they may be.
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
     for_each_index(
-        static_cast<uint32_t>(plans.size()),
-        [&](uint32_t t) {
-            if (!is_cancelled(options.control)) trees[t] = grow_tree(table, plans[t], smallest, options.relative);
-        },
-        1);
-    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
+        static_cast<uint32_t>(plans.size()), part.part(0, 0.4f),
+        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest, options.relative); }, 1);
+    if (auto ok = part.check(); !ok) return ok.error();
     for (const Tree& tree : trees)
         if (tree.rows.size() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
@@ -314,11 +312,13 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     grid.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
     grid.samples_per_face = 1;
     grid.faces_per_pass = options.points_per_pass;
-    if (auto added = add_classes(table, trees, plans, options.max_weight_bytes, grid); !added)
+    if (auto added = add_classes(table, trees, plans, options.max_weight_bytes, grid, part.part(0.4f, 0.5f));
+        !added)
         return added.error();
-    if (auto placed = place_surfaces(table, trees, tree_of_plan, roots, out); !placed) return placed.error();
+    if (auto placed = place_surfaces(table, trees, tree_of_plan, roots, out, part.part(0.5f, 0.98f));
+        !placed) return placed.error();
     out.ptex_surfaces = table.ptex_surfaces;
-    if (auto ok = reach(options.control, 1); !ok) return ok.error();
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
 }
 

@@ -46,7 +46,7 @@ struct PatchTreeOptions {
     /// For samples: the first local point of each surface is the first of its ring, and all others are relative to it,
     /// so that second derivatives, and first ones far from the origin, are as exact as without trees. Not for tessellation.
     bool relative = false;
-    BuildControl* control = nullptr;  ///< as PatchTableOptions::control
+    BuildPart control = {};  ///< as RefinementOptions::control
 };
 
 /// Errors: invalid_argument (max_rate), unsupported (end caps other than exact; a surface of 2^16 local

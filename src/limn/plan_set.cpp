@@ -21,8 +21,9 @@ uint32_t PlanSet::find(const PlanHash& hash) {
     return static_cast<uint32_t>(entries_.size()) - 1;
 }
 
-Result<void> PlanSet::build(const BuildControl* control) {
+Result<void> PlanSet::build(const BuildPart& part) {
     tbb::enumerable_thread_specific<PlanScratch> scratch;
+    BuildPart rest = part;  // nobody knows how many plans the first ones ask for
     while (!requests_.empty()) {
         const std::vector<Request> batch = std::exchange(requests_, {});
         for (const Request& r : batch)
@@ -31,13 +32,11 @@ Result<void> PlanSet::build(const BuildControl* control) {
                                                          " points lie around one face of the surface"};
         std::vector<NewPlan> built(batch.size());
         for_each_index(
-            static_cast<uint32_t>(batch.size()),
-            [&](uint32_t i) {
-                if (!is_cancelled(control))
-                    built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local());
-            },
+            static_cast<uint32_t>(batch.size()), rest.part(0, 0.5f),
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local()); },
             1);
-        if (is_cancelled(control)) return cancelled_error();
+        if (auto ok = rest.check(); !ok) return ok;
+        rest = rest.part(0.5f, 1);
         // In their order, so that numbers do not depend on threads.
         for (size_t i = 0; i < batch.size(); ++i) {
             std::vector<uint32_t> references;

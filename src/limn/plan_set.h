@@ -44,7 +44,7 @@ class PlanSet {
 
     /// Builds what was requested, and what that refers to; then hands all to the cache. After it plan()
     /// holds. Errors: unsupported, cancelled: the cache then gets nothing.
-    Result<void> build(const BuildControl* control);
+    Result<void> build(const BuildPart& part);
     const BuiltPlan* plan(uint32_t number) const { return entries_[number].plan; }
 
   private:

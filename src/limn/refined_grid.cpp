@@ -98,8 +98,8 @@ struct Builder {
         return size_t{lattice->positions[target][1]} * lattice->side + lattice->positions[target][0];
     }
     Result<void> place_faces();
-    Result<void> plan_groups(uint64_t max_weight_bytes);
-    void write_group(size_t g, std::span<const Member> members);
+    Result<void> plan_groups(uint64_t max_weight_bytes, const BuildPart& part);
+    void write_group(size_t g, std::span<const Member> members, BuildSteps& steps);
     void write_member(size_t g, uint32_t surface, const std::array<uint32_t, kRegularRing>* ring_of_place, const Member& member,
                       Neighborhood& hood);
     void add_loose_vertices();
@@ -130,15 +130,17 @@ Result<void> Builder::place_faces() {
 }
 
 /// Sizes of all arrays. What belongs to vertices without faces comes last.
-Result<void> Builder::plan_groups(uint64_t max_weight_bytes) {
+Result<void> Builder::plan_groups(uint64_t max_weight_bytes, const BuildPart& part) {
     plans.resize(groups.first.size() - 1);
-    tbb::parallel_for(size_t{0}, plans.size(), [&](size_t g) {
+    auto plan_group = [&](uint32_t g) {
         const Member& member = groups.members[groups.first[g]];
         Neighborhood hood;
         walk_around(job.walk(), member.face, member.orientation, hood);
         plans[g].ring_size = static_cast<uint32_t>(hood.ring.size());
         plans[g].target_count = static_cast<uint32_t>(job.block(member.face).places.size());
-    });
+    };
+    for_each_index(static_cast<uint32_t>(plans.size()), part, plan_group, 16);
+    if (auto ok = part.check(); !ok) return ok;
     uint64_t rings = 0, slots = 0, weights = 0, loose = 0;
     for (size_t g = 0; g < plans.size(); ++g) {
         GroupPlan& plan = plans[g];
@@ -182,7 +184,7 @@ void Builder::write_member(size_t g, uint32_t surface, const std::array<uint32_t
                                   static_cast<uint32_t>(g)};
 }
 
-void Builder::write_group(size_t g, std::span<const Member> members) {
+void Builder::write_group(size_t g, std::span<const Member> members, BuildSteps& steps) {
     const GroupPlan& plan = plans[g];
     GridClass& c = out.grid.classes[g];
     const uint32_t n = job.base().size_of_face(members[0].face);
@@ -201,7 +203,7 @@ void Builder::write_group(size_t g, std::span<const Member> members) {
                     static_cast<float>(weights.rows[t * weights.stride + (regular ? ring_of_place[j] : j)]);
     }
     const auto* places = c.corners == shared::kGridCornersBicubic ? &ring_of_place : nullptr;
-    for_each_member(members, [&](const Member& member, MemberScratch& scratch) {
+    for_each_member(members, steps, [&](const Member& member, MemberScratch& scratch) {
         write_member(g, groups.first[g] + static_cast<uint32_t>(&member - members.data()), places, member, scratch.hood);
     });
 }
@@ -230,9 +232,11 @@ void Builder::add_loose_vertices() {
 Result<RefinedGridTable> build_refined_grid_table(const Refinement& refinement, const RefinedGridOptions& options) {
     if (options.level < 1 || options.level > 7)
         return Error{ErrorCode::invalid_argument, "level " + std::to_string(options.level) + " is not within 1 and 7"};
-    const Result<Job> job = make_job(refinement, {options.level, options.interpolation, Target::refined});
+    const BuildPart& part = options.control;
+    if (auto ok = part.start(); !ok) return ok.error();
+    const Result<Job> job = make_job(refinement, {options.level, options.interpolation, Target::refined, part.part(0, 0.05f)});
     if (!job) return job.error();
-    const Result<Groups> groups = group_faces(*job);
+    const Result<Groups> groups = group_faces(*job, part.part(0.05f, 0.3f));
     if (!groups) return groups.error();
     RefinedGridTable out;
     out.level = options.level;
@@ -246,9 +250,12 @@ Result<RefinedGridTable> build_refined_grid_table(const Refinement& refinement, 
     if (job->base().options.scheme == Scheme::catmull_clark && job->blocks.count(4) != 0)
         builder.lattice.emplace(job->blocks.at(4), options.level);
     if (auto placed = builder.place_faces(); !placed) return placed.error();
-    if (auto planned = builder.plan_groups(options.max_weight_bytes); !planned) return planned.error();
-    for_each_group(*groups, [&](size_t g, std::span<const Member> members) { builder.write_group(g, members); });
+    if (auto planned = builder.plan_groups(options.max_weight_bytes, part.part(0.3f, 0.4f)); !planned) return planned.error();
+    for_each_group(*groups, part.part(0.4f, 0.98f), [&](size_t g, std::span<const Member> members, BuildSteps& steps) {
+        builder.write_group(g, members, steps);
+    });
     builder.add_loose_vertices();
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
 }
 

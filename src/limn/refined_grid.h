@@ -25,12 +25,13 @@ struct RefinedGridOptions {
     uint32_t level = 4;  ///< 1 .. 7
     Interpolation interpolation = Interpolation::vertex;
     uint64_t max_weight_bytes = uint64_t{256} << 20;  ///< as GridOptions
+    BuildPart control = {};                           ///< as RefinementOptions::control
 };
 
 /// From level 0 of a refinement (build_refinement, or of a face-varying channel), which is all that is read: levels are
 /// never refined as a whole. On all cores; the result does not depend on their number.
 /// Errors: invalid_argument (level), too_large (more than 2^31 - 1 corners, 2^32 samples or ring points, or
-/// max_weight_bytes: build a stencil table instead), unsupported (as build_stencil_table).
+/// max_weight_bytes: build a stencil table instead), unsupported (as build_stencil_table), cancelled.
 Result<RefinedGridTable> build_refined_grid_table(const Refinement& refinement, const RefinedGridOptions& options);
 
 }  // namespace limn

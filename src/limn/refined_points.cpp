@@ -10,7 +10,7 @@
 
 namespace limn {
 
-IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound) {
+IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPart& part) {
     IndexList list;
     list.narrow = bound <= 0x10000;
     if (!list.narrow) {
@@ -20,7 +20,7 @@ IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound) {
     const size_t count = indices.size();
     list.words.allocate((count + 1) / 2);
     for_each_index(
-        static_cast<uint32_t>(list.words.size()),
+        static_cast<uint32_t>(list.words.size()), part,
         [&](uint32_t i) {
             const size_t k = 2 * size_t{i};
             list.words[i] = indices[k] | (k + 1 < count ? indices[k + 1] << 16 : 0);
@@ -93,10 +93,11 @@ class PointBuilder {
         : base_(base), linear_(linear), control_indices_(control_indices), table_(table) {}
 
     /// point_of_child[v] is not kInvalidIndex where v is needed, and receives its point.
-    Result<void> build(std::vector<uint32_t>& point_of_child) {
+    Result<void> build(std::vector<uint32_t>& point_of_child, const BuildPart& part) {
         std::vector<uint32_t> needed;
-        for (uint32_t v = 0; v < point_of_child.size(); ++v)
+        for_each_in_order(static_cast<uint32_t>(point_of_child.size()), part.part(0, 0.1f), [&](uint32_t v) {
             if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
+        });
         table_.refined_count = static_cast<uint32_t>(needed.size());
         table_.first_refined = first_refined_point(table_.control_count, table_.refined_count);
         std::vector<Chunk> chunks((needed.size() + kChunkSize - 1) / kChunkSize);
@@ -106,15 +107,16 @@ class PointBuilder {
         };
         const auto chunk_count = static_cast<uint32_t>(chunks.size());
         for_each_index(
-            chunk_count, [&](uint32_t n) { make_rows(of_chunk(n), chunks[n]); }, 1);
-        const size_t index_count = make_runs(chunks);
+            chunk_count, part.part(0.1f, 0.6f), [&](uint32_t n) { make_rows(of_chunk(n), chunks[n]); }, 1);
+        const size_t index_count = make_runs(chunks, part.part(0.6f, 0.7f));
         if (index_count > kInvalidIndex)
             return Error{ErrorCode::too_large, "points of level 1 are made of 2^32 control points or more"};
         Array<uint32_t> indices;
         indices.allocate(index_count);
         for_each_index(
-            chunk_count, [&](uint32_t n) { place_rows(of_chunk(n), chunks[n], point_of_child, indices); }, 1);
-        table_.point_indices = pack_indices(std::move(indices), table_.control_count);
+            chunk_count, part.part(0.7f, 0.95f),
+            [&](uint32_t n) { place_rows(of_chunk(n), chunks[n], point_of_child, indices); }, 1);
+        table_.point_indices = pack_indices(std::move(indices), table_.control_count, part.part(0.95f, 1));
         return {};
     }
 
@@ -182,15 +184,17 @@ class PointBuilder {
     }
 
     /// Runs in the order in which rows need them. Returns how many indices they have.
-    size_t make_runs(std::vector<Chunk>& chunks) {
+    size_t make_runs(std::vector<Chunk>& chunks, const BuildPart& part) {
         PointRuns<Real> runs;
         size_t index_count = 0;
-        for (Chunk& chunk : chunks)
-            for (Pattern& pattern : chunk.patterns) {
-                pattern.run = runs.add(weights_of(chunk, pattern).data(), pattern.entry_count, pattern.row_count);
+        auto add = [&](uint32_t n) {
+            for (Pattern& pattern : chunks[n].patterns) {
+                pattern.run = runs.add(weights_of(chunks[n], pattern).data(), pattern.entry_count, pattern.row_count);
                 pattern.next_row = runs.runs()[pattern.run].row_count - pattern.row_count;
                 index_count += size_t{pattern.row_count} * pattern.entry_count;
             }
+        };
+        for_each_in_order(static_cast<uint32_t>(chunks.size()), part, add, 16);
         runs.place(table_.first_refined);
         runs.write(table_);
         return index_count;
@@ -220,8 +224,9 @@ class PointBuilder {
 
 template <class Real>
 Result<void> build_refined_points(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
-                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table) {
-    return PointBuilder<Real>(base, linear, control_indices, table).build(point_of_child);
+                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table,
+                                  const BuildPart& part) {
+    return PointBuilder<Real>(base, linear, control_indices, table).build(point_of_child, part);
 }
 
 template <class Real>
@@ -249,9 +254,9 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
 }
 
 template Result<void> build_refined_points<float>(const Topology&, bool, const Array<uint32_t>&,
-                                                  std::vector<uint32_t>&, PatchTable&);
+                                                  std::vector<uint32_t>&, PatchTable&, const BuildPart&);
 template Result<void> build_refined_points<double>(const Topology&, bool, const Array<uint32_t>&,
-                                                   std::vector<uint32_t>&, PatchTableDouble&);
+                                                   std::vector<uint32_t>&, PatchTableDouble&, const BuildPart&);
 template StencilTable build_point_table<float>(const PatchTable&);
 template StencilTableDouble build_point_table<double>(const PatchTableDouble&);
 

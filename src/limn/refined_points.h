@@ -10,7 +10,7 @@
 namespace limn {
 
 /// 16 bits each where `bound` is 2^16 at most; indices are below it.
-IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound);
+IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPart& part);
 
 /// Runs in the making (PointRun): rows of equal weights have one, whose weights are there once.
 template <class Real>
@@ -38,9 +38,10 @@ inline uint32_t first_refined_point(uint32_t control_count, uint32_t refined_cou
 /// Numbers the vertices of level 1 for which point_of_child is not kInvalidIndex, those with rows of equal
 /// weights one after the other, and writes what they are made of: point_runs, point_indices, point_weights,
 /// first_refined and refined_count. `linear`: by varying rules. `control_indices`: as of Refinement. Error:
-/// too_large past 2^32 indices.
+/// too_large past 2^32 indices. Not to be used where `part` is cancelled.
 template <class Real>
 Result<void> build_refined_points(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
-                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table);
+                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table,
+                                  const BuildPart& part);
 
 }  // namespace limn

@@ -68,10 +68,10 @@ void allocate_common(const Split& s, bool full) {
     t.vertex_manifold.allocate(t.vertex_count);
 }
 
-void split_quad_faces(const Split& s, bool full) {
+void split_quad_faces(const Split& s, bool full, const BuildPart& part) {
     const Topology& p = s.parent;
     Topology& t = s.child;
-    for_each_index(p.face_count, [&](uint32_t f) {
+    for_each_index(p.face_count, part, [&](uint32_t f) {
         const uint32_t begin = p.face_begin(f), size = p.size_of_face(f);
         for (uint32_t j = 0; j < size; ++j) {
             const uint32_t c = begin + j, previous = begin + (j == 0 ? size : j) - 1;
@@ -110,10 +110,10 @@ void split_quad_faces(const Split& s, bool full) {
     });
 }
 
-void split_triangle_faces(const Split& s, bool full) {
+void split_triangle_faces(const Split& s, bool full, const BuildPart& part) {
     const Topology& p = s.parent;
     Topology& t = s.child;
-    for_each_index(p.face_count, [&](uint32_t f) {
+    for_each_index(p.face_count, part, [&](uint32_t f) {
         for (uint32_t j = 0; j < 3; ++j) {
             const uint32_t c = 3 * f + j, previous = 3 * f + (j + 2) % 3;
             const uint32_t e = p.face_edges[c], e_previous = p.face_edges[previous];
@@ -204,10 +204,10 @@ void split_edge_topology(const Split& s, uint32_t e) {
     t.vertex_manifold[v] = count <= 2 && opposite && a != b;
 }
 
-void split_edges(const Split& s, bool full) {
+void split_edges(const Split& s, bool full, const BuildPart& part) {
     const Topology& p = s.parent;
     Topology& t = s.child;
-    for_each_index(p.edge_count, [&](uint32_t e) {
+    for_each_index(p.edge_count, part, [&](uint32_t e) {
         t.vertex_rules[s.edge_vertex(e)] = child_rule_of_edge(p, e);
         if (!full) return;
         for (uint32_t end = 0; end < 2; ++end)
@@ -226,10 +226,10 @@ void for_each_edge_end(const Topology& t, uint32_t v, const Body& body) {
     }
 }
 
-void split_vertices(const Split& s, bool full) {
+void split_vertices(const Split& s, bool full, const BuildPart& part) {
     const Topology& p = s.parent;
     Topology& t = s.child;
-    for_each_index(p.vertex_count, [&](uint32_t v) {
+    for_each_index(p.vertex_count, part, [&](uint32_t v) {
         const float sharpness = child_sharpness(p.vertex_sharpness[v]);
         t.vertex_rules[v] = child_rule_of_vertex(p, v);
         if (!full) return;
@@ -269,32 +269,33 @@ VertexRule child_rule_of_edge(const Topology& p, uint32_t e) {
     return vertex_rule(0, (p.child_sharpness_of_edge(e, 0) > 0) + (p.child_sharpness_of_edge(e, 1) > 0));
 }
 
-void refine_once(const Topology& parent, bool full, Topology& child) {
+void refine_once(const Topology& parent, bool full, Topology& child, const BuildPart& part) {
     const Split split{parent, child};
     allocate_common(split, full);
     if (split.triangles())
-        split_triangle_faces(split, full);
+        split_triangle_faces(split, full, part.part(0, 0.4f));
     else
-        split_quad_faces(split, full);
-    split_edges(split, full);
-    split_vertices(split, full);
-    if (full) build_half_edge_sharpness(child);
+        split_quad_faces(split, full, part.part(0, 0.4f));
+    split_edges(split, full, part.part(0.4f, 0.7f));
+    split_vertices(split, full, part.part(0.7f, 0.9f));
+    if (full) build_half_edge_sharpness(child, part.part(0.9f, 1));
 }
 
-Topology refine_once(const Topology& parent, bool full) {
+Topology refine_once(const Topology& parent, bool full, const BuildPart& part) {
     Topology child;
-    refine_once(parent, full, child);
+    refine_once(parent, full, child, part);
     return child;
 }
 
-void copy_half_edge_sharpness(const Topology& uncut, Topology& channel) {
-    for (uint32_t c = 0; c < uncut.corner_count(); ++c) {
+void copy_half_edge_sharpness(const Topology& uncut, Topology& channel, const BuildPart& part) {
+    for_each_in_order(uncut.corner_count(), part, [&](uint32_t c) {
         const uint32_t from = uncut.face_edges[c], to = channel.face_edges[c];
         const uint32_t from_end = uncut.end_at_corner(c), to_end = channel.end_at_corner(c);
-        if (is_infinite(channel.edge_sharpness[to])) continue;
+        if (is_infinite(channel.edge_sharpness[to])) return;
         channel.half_edge_sharpness[2 * to + to_end] = uncut.half_edge_sharpness[2 * from + from_end];
         channel.half_edge_sharpness[2 * to + 1 - to_end] = uncut.half_edge_sharpness[2 * from + 1 - from_end];
-    }
+    });
+    if (part.is_cancelled()) return;
     for (size_t i = 0; i < channel.dependent_seam_sharpness.size(); ++i) {
         const uint32_t v =
             uncut.face_vertices[channel.corners_of_vertex(channel.dependent_vertices[2 * i])[0]];
@@ -341,28 +342,38 @@ Result<std::vector<LevelCounts>> count_levels(const Topology& base, uint32_t lev
 
 namespace {
 
+/// What part of the work is done with a level: each has four times the faces of the one before.
+float share_of_level(uint32_t level, const RefinementOptions& options) {
+    return std::ldexp(1.0f, 2 * (static_cast<int>(level) - static_cast<int>(options.level)));
+}
+
 Result<void> refine_levels(const RefinementOptions& options, Refinement& refinement) {
     if (auto counts = count_levels(refinement.levels[0], options.level); !counts) return counts.error();
     refinement.levels.reserve(options.level + 1);
     Topology uncut;
     for (uint32_t level = 1; level <= options.level; ++level) {
+        const BuildPart part =
+            options.control.part(share_of_level(level - 1, options), share_of_level(level, options));
         if (!refinement.uncut.empty()) {
             const Topology& before = level == 1 ? refinement.uncut[0] : uncut;
-            copy_half_edge_sharpness(before, refinement.levels.back());
-            uncut = refine_once(before, true);
+            copy_half_edge_sharpness(before, refinement.levels.back(), part.part(0, 0.1f));
+            uncut = refine_once(before, true, part.part(0.1f, 0.5f));
         }
         refinement.levels.push_back(
-            refine_once(refinement.last(), level < options.level || options.full_last_level));
+            refine_once(refinement.last(), level < options.level || options.full_last_level, part.part(0.5f, 1)));
+        if (auto ok = part.check(); !ok) return ok;
     }
-    return {};
+    return options.control.reach(1);
 }
 
 }  // namespace
 
 Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOptions& options) {
+    if (auto ok = options.control.start(); !ok) return ok.error();
     Refinement refinement;
     refinement.control_count = mesh.vertex_count;
-    refinement.levels.push_back(build_topology(mesh));
+    refinement.levels.push_back(build_topology(mesh, options.control.part(0, share_of_level(0, options))));
+    if (auto ok = options.control.check(); !ok) return ok.error();
     if (auto ok = refine_levels(options, refinement); !ok) return ok.error();
     return refinement;
 }
@@ -374,13 +385,17 @@ Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32
             ErrorCode::index_out_of_range,
             "face-varying channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
             channel};
+    if (auto ok = options.control.start(); !ok) return ok.error();
+    const BuildPart part = options.control.part(0, share_of_level(0, options));
     Refinement refinement;
     refinement.control_count = mesh.channels[channel].value_count;
-    Topology uncut = build_topology(mesh);
+    Topology uncut = build_topology(mesh, part.part(0, 0.5f));
+    if (auto ok = part.check(); !ok) return ok.error();
     refinement.levels.push_back(
-        build_face_varying_topology(mesh, uncut, channel, refinement.control_indices));
+        build_face_varying_topology(mesh, uncut, channel, refinement.control_indices, part.part(0.5f, 0.9f)));
+    if (auto ok = part.check(); !ok) return ok.error();
     if (!refinement.levels[0].half_edge_sharpness.empty()) {
-        copy_half_edge_sharpness(uncut, refinement.levels[0]);
+        copy_half_edge_sharpness(uncut, refinement.levels[0], part.part(0.9f, 1));
         refinement.uncut.push_back(std::move(uncut));
     }
     if (auto ok = refine_levels(options, refinement); !ok) return ok.error();

@@ -14,6 +14,7 @@ inline constexpr uint32_t kMaxRefinementLevel = 10;
 struct RefinementOptions {
     uint32_t level = 1;            ///< 0 .. kMaxRefinementLevel
     bool full_last_level = false;  ///< edges and stars of the last level, too
+    BuildPart control = {};        ///< a BuildControl*, to cancel the build and to see its progress; may be null
 };
 
 /// Levels 0 .. level. Children are numbered as in OpenSubdiv: the vertices of a level are, in this order, one
@@ -31,7 +32,7 @@ struct Refinement {
 };
 
 /// Refines the mesh for vertex and varying data.
-/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners.
+/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners, cancelled.
 Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOptions& options);
 
 /// Refines one face-varying channel: the same faces in the same order at every level, cut along its seams;

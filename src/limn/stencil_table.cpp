@@ -32,10 +32,10 @@ void merge_repeated(Row& row) {
 }
 
 template <class Body>
-void for_each_row(uint32_t count, const Body& body) {
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, count, 2048), [&](const auto& range) {
+void for_each_row(uint32_t count, const BuildPart& part, const Body& body) {
+    for_each_block(count, part, 512, [&](uint32_t begin, uint32_t end) {
         Row row;
-        for (uint32_t r = range.begin(); r != range.end(); ++r) {
+        for (uint32_t r = begin; r != end; ++r) {
             row.clear();
             body(r, row);
         }
@@ -76,7 +76,8 @@ Result<void> offsets_from_sizes(Array<uint32_t>& sizes) {
 
 template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
-                                                 Interpolation interpolation) {
+                                                 Interpolation interpolation, const BuildPart& control) {
+    if (auto ok = control.start(); !ok) return ok.error();
     const bool available = level >= 1 && level <= refinement.level_count();
     if (!available || refinement.levels[level - 1].face_edges.empty())
         return Error{ErrorCode::invalid_argument,
@@ -91,14 +92,15 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
         refinement_row(parent, r, interpolation, row);
         merge_repeated(row);
     };
-    for_each_row(rows, [&](uint32_t r, Row& row) {
+    for_each_row(rows, control.part(0, 0.5f), [&](uint32_t r, Row& row) {
         row_of(r, row);
         table.offsets[r] = static_cast<uint32_t>(row.size());
     });
+    if (auto ok = control.check(); !ok) return ok.error();
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     table.indices.allocate(table.offsets.back());
     table.weights.allocate(table.offsets.back());
-    for_each_row(rows, [&](uint32_t r, Row& row) {
+    for_each_row(rows, control.part(0.5f, 0.95f), [&](uint32_t r, Row& row) {
         row_of(r, row);
         uint32_t at = table.offsets[r];
         for (const RowEntry& entry : row) {
@@ -106,27 +108,33 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
             table.weights[at++] = static_cast<Real>(entry.weight);
         }
     });
+    if (auto ok = control.reach(1); !ok) return ok.error();
     return table;
 }
 
 template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
-                                                    Interpolation interpolation) {
-    if (level == 0) return identity_table<Real>(refinement);
+                                                    Interpolation interpolation, const BuildPart& control) {
+    if (level == 0) {
+        if (auto ok = control.reach(1); !ok) return ok.error();
+        return identity_table<Real>(refinement);
+    }
     if (level == 1 && refinement.control_indices.empty())
-        return build_step_table<Real>(refinement, level, interpolation);
-    return compose<Real>(refinement, {level, interpolation, Target::refined});
+        return build_step_table<Real>(refinement, level, interpolation, control);
+    return compose<Real>(refinement, {level, interpolation, Target::refined, control});
 }
 
 template <class Real>
 Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level,
-                                                  bool tangents) {
-    return compose<Real>(
-        refinement, {level, Interpolation::vertex, tangents ? Target::limit_with_tangents : Target::limit});
+                                                  bool tangents, const BuildPart& control) {
+    const Target target = tangents ? Target::limit_with_tangents : Target::limit;
+    return compose<Real>(refinement, {level, Interpolation::vertex, target, control});
 }
 
 template <class Real>
-Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents) {
+Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents,
+                                                       const BuildPart& control) {
+    if (auto ok = control.start(); !ok) return ok.error();
     const Topology& last = refinement.last();
     const uint32_t size = last.options.scheme == Scheme::loop ? 3 : 4;
     if (last.face_edges.empty())
@@ -139,12 +147,13 @@ Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinem
     table.source_count = last.vertex_count;
     table.offsets.allocate(size_t{last.vertex_count} + 1);
     table.offsets.back() = 0;
-    for_each_row(last.vertex_count, [&](uint32_t v, Row& row) {
+    for_each_row(last.vertex_count, control.part(0, 0.5f), [&](uint32_t v, Row& row) {
         std::vector<TangentWeights> ignored;
         limit_row(last, v, row, ignored);
         merge_repeated(row);
         table.offsets[v] = static_cast<uint32_t>(row.size());
     });
+    if (auto ok = control.check(); !ok) return ok.error();
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     const size_t entries = table.offsets.back();
     table.indices.allocate(entries);
@@ -153,7 +162,7 @@ Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinem
         table.tangent1_weights.allocate(entries);
         table.tangent2_weights.allocate(entries);
     }
-    for_each_row(last.vertex_count, [&](uint32_t v, Row& row) {
+    for_each_row(last.vertex_count, control.part(0.5f, 0.95f), [&](uint32_t v, Row& row) {
         std::vector<TangentWeights> weights;
         limit_row(last, v, row, weights);
         // Tangents go through the same merging as positions: one row for each, same indices.
@@ -172,6 +181,7 @@ Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinem
             table.tangent2_weights[at + k] = static_cast<Real>(rows[2][k].weight);
         }
     });
+    if (auto ok = control.reach(1); !ok) return ok.error();
     return table;
 }
 
@@ -199,11 +209,14 @@ void apply_stencil_table(const BasicStencilTable<Real>& table, std::span<const R
 }
 
 #define LIMN_INSTANTIATE(Real)                                                                             \
-    template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation); \
+    template Result<BasicStencilTable<Real>> build_step_table(const Refinement&, uint32_t, Interpolation,  \
+                                                              const BuildPart&);                           \
     template Result<BasicStencilTable<Real>> build_stencil_table(const Refinement&, uint32_t,              \
-                                                                 Interpolation);                           \
-    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool);         \
-    template Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement&, bool);              \
+                                                                 Interpolation, const BuildPart&);         \
+    template Result<BasicStencilTable<Real>> build_limit_table(const Refinement&, uint32_t, bool,          \
+                                                               const BuildPart&);                          \
+    template Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement&, bool,               \
+                                                                    const BuildPart&);                     \
     template void apply_stencil_table(const BasicStencilTable<Real>&, std::span<const Real>,               \
                                       std::span<Real>, uint32_t);
 LIMN_INSTANTIATE(float)

@@ -39,10 +39,12 @@ using StencilTableDouble = BasicStencilTable<double>;
 
 /// One step: the points of `level` (1 .. refinement.level_count()) from those of `level - 1`, which must have
 /// its edges (the last level has them when built with full_last_level). Row r is vertex r of the level;
-/// source_count is the vertex count of level - 1. Errors: invalid_argument (level), too_large.
+/// source_count is the vertex count of level - 1. `control`, here and below, is a BuildControl*, to cancel the
+/// build and to see its progress; may be null. Errors: invalid_argument (level), too_large, cancelled.
 template <class Real>
 Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, uint32_t level,
-                                                 Interpolation interpolation = Interpolation::vertex);
+                                                 Interpolation interpolation = Interpolation::vertex,
+                                                 const BuildPart& control = {});
 
 /// The points of `level` (0 .. kMaxRefinementLevel) from the control points, straight from the base level:
 /// `refinement` need not go that deep. Row r is vertex r of the level; source_count is
@@ -50,10 +52,11 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
 /// on their number. Beside the table and the base level, about a tenth of the table is held while it is
 /// built. Errors: invalid_argument (level); too_large when a level would hold more than 2^31 - 1 face corners
 /// or the table 2^32 entries or more; unsupported when more than 16,384 faces meet around one face (rows grow
-/// with the square of that: chain step tables there).
+/// with the square of that: chain step tables there); cancelled.
 template <class Real>
 Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement, uint32_t level,
-                                                    Interpolation interpolation = Interpolation::vertex);
+                                                    Interpolation interpolation = Interpolation::vertex,
+                                                    const BuildPart& control = {});
 
 /// The limit positions of the vertices of `level` and, when asked for, two tangents each, from the control
 /// points; else as build_stencil_table. Exact at every level: where semi-sharp features reach deeper, so does
@@ -63,15 +66,16 @@ Result<BasicStencilTable<Real>> build_stencil_table(const Refinement& refinement
 /// along the crease; at a corner they are the ends of the first sector between sharp edges.
 template <class Real>
 Result<BasicStencilTable<Real>> build_limit_table(const Refinement& refinement, uint32_t level,
-                                                  bool tangents = false);
+                                                  bool tangents = false, const BuildPart& control = {});
 
 /// The limit positions and tangents of the vertices of the last level from the points of that level: the last
 /// link of a chain of step tables, far smaller than one table over the control points. Row r is vertex r. The
 /// same values as build_limit_table's where the level is at least count_sharp_levels(base); before that the
 /// rules of the level hold. Errors: unsupported when the last level was not built with full_last_level or has
-/// faces of other sizes than the scheme's own (refine at least once); too_large.
+/// faces of other sizes than the scheme's own (refine at least once); too_large; cancelled.
 template <class Real>
-Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents = false);
+Result<BasicStencilTable<Real>> build_limit_step_table(const Refinement& refinement, bool tangents = false,
+                                                       const BuildPart& control = {});
 
 /// The base face that each face of the level descends from: face_count entries. What face-uniform data needs.
 Array<uint32_t> build_base_faces(const Refinement& refinement, uint32_t level);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "limn/parallel.h"
 #include "limn/topology.h"
 
 namespace limn {
@@ -39,8 +40,6 @@ struct Builder {
     std::vector<uint32_t> row_of_corner = {};  ///< mesh corner -> the row, or the first of two, of the edge there
     std::vector<uint32_t> rows = {}, row_copies = {}, sub_rows = {};
 
-    /// Looks now and then, on the way through edges or faces, whether the build is cancelled.
-    bool stops_at(uint32_t i) const { return i % 4096 == 0 && is_cancelled(options.control); }
     bool is_split(uint32_t face) const { return base.size_of_face(face) != own_size; }
     bool is_drawn(uint32_t face) const { return base.face_holes[face] == 0; }
     bool is_drawn_corner(uint32_t corner) const { return is_drawn(base.face_of_corner(corner)); }
@@ -85,31 +84,31 @@ struct Builder {
                              [&](uint32_t e) { return is_infinite(base.edge_sharpness[e]); }) <= 2;
     }
 
-    void count_faces();
+    void count_faces(const BuildPart& part);
     void add_rows_of_edge(uint32_t e);
     void add_sub_rows(uint32_t face);
     uint32_t add_row(uint32_t rate_edge, uint32_t corner, bool along, bool is_halved);
-    void write_faces(Sets& corners);
-    void write_corners(Sets& corners);
-    void join_corners(Sets& corners) const;
+    void write_faces(Sets& corners, const BuildPart& part);
+    void write_corners(Sets& corners, const BuildPart& part);
+    void join_corners(Sets& corners, const BuildPart& part) const;
 };
 
-void Builder::count_faces() {
+void Builder::count_faces(const BuildPart& part) {
     own_size = base.options.scheme == Scheme::loop ? 3 : 4;
     first_ptex.resize(base.face_count);
     first_sub.resize(base.face_count);
     halved.assign(base.edge_count, 0);
     out.mesh_edge_count = base.edge_count;
     out.rate_edge_count = base.edge_count;
-    for (uint32_t f = 0; f < base.face_count; ++f) {
+    for_each_in_order(base.face_count, part, [&](uint32_t f) {
         first_ptex[f] = out.face_count;
         first_sub[f] = out.rate_edge_count;
         out.face_count += is_split(f) ? base.size_of_face(f) : 1;
-        if (!is_split(f)) continue;
+        if (!is_split(f)) return;
         out.rate_edge_count += base.size_of_face(f);
         if (is_drawn(f))
             for (const uint32_t e : base.edges_of_face(f)) halved[e] = 1;
-    }
+    });
 }
 
 /// Adds one row, or two halves, of the edge that begins at `corner` of its face, from its beginning there or
@@ -190,30 +189,30 @@ void Builder::add_sub_rows(uint32_t face) {
     }
 }
 
-void Builder::join_corners(Sets& corners) const {
-    for (uint32_t e = 0; e < base.edge_count && !stops_at(e); ++e) {
-        if (!is_shared(e)) continue;
+void Builder::join_corners(Sets& corners, const BuildPart& part) const {
+    for_each_in_order(base.edge_count, part.part(0, 0.7f), [&](uint32_t e) {
+        if (!is_shared(e)) return;
         const uint32_t a = base.corners_of_edge(e)[0], b = base.corners_of_edge(e)[1];
         if (!has_corner_normals(base.face_vertices[a])) corners.join(number(a), number(base.next_corner(b)));
         if (!has_corner_normals(base.face_vertices[b])) corners.join(number(b), number(base.next_corner(a)));
         const bool split_a = is_split(base.face_of_corner(a)), split_b = is_split(base.face_of_corner(b));
         if (split_a && split_b) corners.join(middle_number(a), middle_number(b));
-    }
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        if (!is_split(f)) continue;
+    });
+    for_each_in_order(base.face_count, part.part(0.7f, 1), [&](uint32_t f) {
+        if (!is_split(f)) return;
         const uint32_t n = base.size_of_face(f), first = kCorners * first_ptex[f];
         for (uint32_t j = 0; j < n; ++j) {
             const uint32_t next = first + kCorners * ((j + 1) % n);
             corners.join(first + kCorners * j + 1, next + 3);  // the middle of edge j
             corners.join(first + kCorners * j + 2, next + 2);  // the middle of the face
         }
-    }
+    });
 }
 
-void Builder::write_faces(Sets& corners) {
+void Builder::write_faces(Sets& corners, const BuildPart& part) {
     out.faces.assign(size_t{out.face_count} * shared::kTessFaceWords, shared::kNoSide);
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        if (!is_drawn(f)) continue;
+    for_each_in_order(base.face_count, part, [&](uint32_t f) {
+        if (!is_drawn(f)) return;
         const uint32_t n = base.size_of_face(f), begin = base.face_begin(f);
         const auto side = [&](uint32_t j) {  // of edge j, whole
             const uint32_t e = base.face_edges[begin + j], row = row_of_corner[begin + j];
@@ -240,14 +239,15 @@ void Builder::write_faces(Sets& corners) {
             }
             for (uint32_t k = 0; k < own_size; ++k) words[4 + k] = corners.find(kCorners * (first_ptex[f] + q) + k);
         }
-    }
+    });
 }
 
 /// Numbers corners in the order of faces, and finds those that have the position of another.
-void Builder::write_corners(Sets& corners) {
+void Builder::write_corners(Sets& corners, const BuildPart& part) {
     std::vector<uint32_t> numbers(size_t{out.face_count} * kCorners, kInvalidIndex), words, copies;
     // Of mesh vertices and middles of edges: the corner whose position the others have.
     std::vector<uint32_t> of_vertex(base.vertex_count, kInvalidIndex), of_edge(base.edge_count, kInvalidIndex);
+    words.reserve(numbers.size() * shared::kTessCornerWords);  // one that grows keeps a cancellation waiting
     const uint32_t half_u[4] = {0, 2, own_size == 4 ? 2u : 0u, 0}, half_v[4] = {0, 0, 2, 2};
     const auto add = [&](uint32_t ptex, uint32_t u, uint32_t v, uint32_t* first) {
         words.insert(words.end(), {ptex, u | v << 2});
@@ -259,8 +259,8 @@ void Builder::write_corners(Sets& corners) {
             copies.insert(copies.end(), {corner, *first});
         return corner;
     };
-    for (uint32_t f = 0; f < base.face_count; ++f) {
-        if (!is_drawn(f)) continue;
+    for_each_in_order(base.face_count, part.part(0, 0.7f), [&](uint32_t f) {
+        if (!is_drawn(f)) return;
         for (uint32_t q = 0; q < (is_split(f) ? base.size_of_face(f) : 1); ++q) {
             const uint32_t ptex = first_ptex[f] + q, n = base.size_of_face(f);
             for (uint32_t k = 0; k < own_size; ++k) {
@@ -273,10 +273,10 @@ void Builder::write_corners(Sets& corners) {
                 out.faces[size_t{ptex} * shared::kTessFaceWords + 4 + k] = numbers[set];
             }
         }
-    }
+    });
     // Middles of halved edges: at rows of quads that do not share them with a split face they are corners, too.
-    for (uint32_t e = 0; e < base.edge_count; ++e) {
-        if (halved[e] == 0) continue;
+    for_each_in_order(base.edge_count, part.part(0.7f, 1), [&](uint32_t e) {
+        if (halved[e] == 0) return;
         for (const uint32_t corner : base.corners_of_edge(e)) {
             if (!is_drawn_corner(corner)) continue;
             const uint32_t face = base.face_of_corner(corner);
@@ -291,7 +291,7 @@ void Builder::write_corners(Sets& corners) {
             middle = add(first_ptex[base.face_of_corner(corner)], (half_u[i] + half_u[next]) / 2,
                          (half_v[i] + half_v[next]) / 2, &of_edge[e]);
         }
-    }
+    });
     const auto copy = [](const std::vector<uint32_t>& from, Array<uint32_t>& to) {
         to.allocate(from.size());
         std::copy(from.begin(), from.end(), to.begin());
@@ -313,28 +313,31 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
             return Error{ErrorCode::index_out_of_range,
                          "channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
                          channel};
-    if (auto ok = reach(options.control, 0); !ok) return ok.error();
+    const BuildPart& part = options.control;
+    if (auto ok = part.start(); !ok) return ok.error();
     TessellationTable out;
     if (mesh.face_vertices.size() >= size_t{1} << 28)
         return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
-    Builder b{mesh, options, build_topology(mesh), out};
+    Builder b{mesh, options, build_topology(mesh, part.part(0, 0.35f)), out};
+    if (auto ok = part.check(); !ok) return ok.error();
     out.options = b.base.options;
-    b.count_faces();
+    b.count_faces(part.part(0.35f, 0.4f));
+    if (auto ok = part.check(); !ok) return ok.error();
     out.rate_edges.allocate(size_t{out.rate_edge_count} * shared::kRateEdgeWords);
     b.row_of_corner.assign(b.base.corner_count(), kInvalidIndex);
     b.sub_rows.assign(out.rate_edge_count - b.base.edge_count, kInvalidIndex);
-    if (auto ok = reach(options.control, 0.3f); !ok) return ok.error();
-    for (uint32_t e = 0; e < b.base.edge_count && !b.stops_at(e); ++e) b.add_rows_of_edge(e);
-    if (auto ok = reach(options.control, 0.5f); !ok) return ok.error();
-    for (uint32_t f = 0; f < b.base.face_count; ++f)
+    for_each_in_order(b.base.edge_count, part.part(0.4f, 0.55f), [&](uint32_t e) { b.add_rows_of_edge(e); });
+    for_each_in_order(b.base.face_count, part.part(0.55f, 0.6f), [&](uint32_t f) {
         if (b.is_split(f)) b.add_sub_rows(f);
+    });
+    if (auto ok = part.check(); !ok) return ok.error();
     Sets corners(size_t{out.face_count} * kCorners);
-    b.join_corners(corners);
-    if (auto ok = reach(options.control, 0.65f); !ok) return ok.error();
-    b.write_faces(corners);
-    if (auto ok = reach(options.control, 0.8f); !ok) return ok.error();
-    b.write_corners(corners);
-    if (auto ok = reach(options.control, 1); !ok) return ok.error();
+    b.join_corners(corners, part.part(0.6f, 0.7f));
+    if (auto ok = part.check(); !ok) return ok.error();
+    b.write_faces(corners, part.part(0.7f, 0.8f));
+    if (auto ok = part.check(); !ok) return ok.error();
+    b.write_corners(corners, part.part(0.8f, 0.98f));
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
 }
 

@@ -52,8 +52,8 @@ struct TessellationTableOptions {
     /// own there. Otherwise its normal is that of one of them.
     bool split_creases = true;
     /// Face-varying channels whose seams split vertices.
-    std::span<const uint32_t> channels;
-    BuildControl* control = nullptr;  ///< as PatchTableOptions::control
+    std::span<const uint32_t> channels = {};
+    BuildPart control = {};  ///< as RefinementOptions::control
 };
 
 /// Errors: index_out_of_range (a channel), too_large (2^28 ptex faces or more), cancelled.

@@ -9,7 +9,7 @@
 namespace limn {
 namespace {
 
-void copy_faces(const ControlMesh& mesh, Topology& t) {
+void copy_faces(const ControlMesh& mesh, Topology& t, const BuildPart& part) {
     t.vertex_count = mesh.vertex_count;
     t.face_count = mesh.face_count();
     const auto corners = static_cast<uint32_t>(mesh.face_vertices.size());
@@ -26,7 +26,7 @@ void copy_faces(const ControlMesh& mesh, Topology& t) {
     t.face_offsets.allocate(mesh.face_offsets.size());
     std::copy(mesh.face_offsets.begin(), mesh.face_offsets.end(), t.face_offsets.begin());
     t.corner_faces.allocate(corners);
-    for_each_index(t.face_count, [&](uint32_t f) {
+    for_each_index(t.face_count, part, [&](uint32_t f) {
         std::fill(t.corner_faces.begin() + t.face_offsets[f], t.corner_faces.begin() + t.face_offsets[f + 1],
                   f);
     });
@@ -36,15 +36,16 @@ void copy_faces(const ControlMesh& mesh, Topology& t) {
 /// of one vertex pair join the pair's first edge, unless that edge's latest face is their own: then they
 /// start another one. `non_manifold` marks first corners of edges that join more than two faces, faces of
 /// opposite winding, or nothing.
-void find_first_corners(const Topology& t, Array<uint32_t>& first, Array<uint8_t>& non_manifold) {
+void find_first_corners(const Topology& t, Array<uint32_t>& first, Array<uint8_t>& non_manifold,
+                        const BuildPart& part) {
     const uint32_t corners = t.corner_count();
     auto low = [&](uint32_t c) { return std::min(t.face_vertices[c], t.face_vertices[t.next_corner(c)]); };
     auto high = [&](uint32_t c) { return std::max(t.face_vertices[c], t.face_vertices[t.next_corner(c)]); };
     first.allocate(corners);
     non_manifold.assign(corners, 0);
     Array<uint32_t> offsets, members;
-    group_by(corners, t.vertex_count, low, offsets, members);
-    for_each_index(t.vertex_count, [&](uint32_t v) {
+    group_by(corners, t.vertex_count, low, offsets, members, part.part(0, 0.5f));
+    for_each_index(t.vertex_count, part.part(0.5f, 1), [&](uint32_t v) {
         uint32_t* begin = members.data() + offsets[v];
         uint32_t* end = members.data() + offsets[v + 1];
         std::sort(begin, end, [&](uint32_t a, uint32_t b) {
@@ -124,15 +125,15 @@ float clamp_sharpness(float sharpness) {
 }
 
 /// With no boundary interpolation, faces that touch a boundary edge which is not infinitely sharp are holes.
-void hide_boundary_faces(Topology& t) {
-    for (uint32_t v = 0; v < t.vertex_count; ++v) {
+void hide_boundary_faces(Topology& t, const BuildPart& part) {
+    for_each_in_order(t.vertex_count, part, [&](uint32_t v) {
         const auto edges = t.edges_of_vertex(v);
         const bool hide = std::any_of(edges.begin(), edges.end(), [&](uint32_t e) {
             return t.corners_of_edge(e).size() == 1 && !is_infinite(t.edge_sharpness[e]);
         });
-        if (!hide) continue;
+        if (!hide) return;
         for (const uint32_t c : t.corners_of_vertex(v)) t.face_holes[t.face_of_corner(c)] = 1;
-    }
+    });
 }
 
 /// Sharpness and rule of one vertex, once edges are sharpened.
@@ -153,94 +154,100 @@ void sharpen_vertex(Topology& t, uint32_t v, const Array<uint8_t>& non_manifold_
     t.vertex_rules[v] = vertex_rule(t.vertex_sharpness[v], sharp);
 }
 
-void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>& non_manifold_edges) {
+void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>& non_manifold_edges,
+                      const BuildPart& part) {
     t.edge_sharpness.assign(t.edge_count, 0.0f);
     t.vertex_sharpness.assign(t.vertex_count, 0.0f);
     t.vertex_rules.allocate(t.vertex_count);
     t.face_holes.assign(t.face_count, 0);
-    for (size_t i = 0; i < mesh.crease_sharpness.size(); ++i) {
-        const uint32_t e = find_edge(t, mesh.crease_edges[2 * i], mesh.crease_edges[2 * i + 1]);
+    const auto creases = static_cast<uint32_t>(mesh.crease_sharpness.size());
+    for_each_in_order(creases, part.part(0, 0.3f), [&](uint32_t i) {
+        const uint32_t e = find_edge(t, mesh.crease_edges[2 * size_t{i}], mesh.crease_edges[2 * size_t{i} + 1]);
         if (e != kInvalidIndex) t.edge_sharpness[e] = clamp_sharpness(mesh.crease_sharpness[i]);
-    }
+    });
     for (size_t i = 0; i < mesh.corner_vertices.size(); ++i)
         t.vertex_sharpness[mesh.corner_vertices[i]] = clamp_sharpness(mesh.corner_sharpness[i]);
     for (const uint32_t f : mesh.holes) t.face_holes[f] = 1;
     if (t.options.boundary == BoundaryInterpolation::none && t.options.scheme != Scheme::bilinear)
-        hide_boundary_faces(t);
-    for_each_index(t.edge_count, [&](uint32_t e) {
+        hide_boundary_faces(t, part.part(0.3f, 0.4f));
+    for_each_index(t.edge_count, part.part(0.4f, 0.6f), [&](uint32_t e) {
         if (t.corners_of_edge(e).size() < 2 || non_manifold_edges[e] != 0)
             t.edge_sharpness[e] = kInfiniteSharpness;
     });
-    for_each_index(t.vertex_count, [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
+    for_each_index(t.vertex_count, part.part(0.6f, 1),
+                   [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
 }
 
 }  // namespace
 
-void build_incidence(Topology& t, const Array<uint32_t>& first) {
+void build_incidence(Topology& t, const Array<uint32_t>& first, const BuildPart& part) {
     const uint32_t corners = t.corner_count();
     t.face_edges.allocate(corners);
     uint32_t edges = 0;
-    for (uint32_t c = 0; c < corners; ++c) t.face_edges[c] = first[c] == c ? edges++ : t.face_edges[first[c]];
+    for_each_in_order(corners, part.part(0, 0.1f), [&](uint32_t c) {
+        t.face_edges[c] = first[c] == c ? edges++ : t.face_edges[first[c]];
+    });
     t.edge_count = edges;
     t.edge_vertices.allocate(size_t{2} * edges);
-    for_each_index(corners, [&](uint32_t c) {
+    for_each_index(corners, part.part(0.1f, 0.2f), [&](uint32_t c) {
         if (first[c] != c) return;
         const uint32_t e = t.face_edges[c];
         t.edge_vertices[2 * e] = t.face_vertices[c];
         t.edge_vertices[2 * e + 1] = t.face_vertices[t.next_corner(c)];
     });
     group_by(
-        corners, edges, [&](uint32_t c) { return t.face_edges[c]; }, t.edge_corner_offsets, t.edge_corners);
+        corners, edges, [&](uint32_t c) { return t.face_edges[c]; }, t.edge_corner_offsets, t.edge_corners,
+        part.part(0.2f, 0.4f));
     group_by(
         corners, t.vertex_count, [&](uint32_t c) { return t.face_vertices[c]; }, t.vertex_corner_offsets,
-        t.vertex_corners);
+        t.vertex_corners, part.part(0.4f, 0.6f));
     group_by(
         2 * edges, t.vertex_count, [&](uint32_t i) { return t.edge_vertices[i]; }, t.vertex_edge_offsets,
-        t.vertex_edges);
-    for_each_index(2 * edges, [&](uint32_t i) { t.vertex_edges[i] /= 2; });
+        t.vertex_edges, part.part(0.6f, 0.9f));
+    for_each_index(2 * edges, part.part(0.9f, 1), [&](uint32_t i) { t.vertex_edges[i] /= 2; });
 }
 
-void order_stars(Topology& t) {
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, t.vertex_count, 1024), [&](const auto& range) {
+void order_stars(Topology& t, const BuildPart& part) {
+    for_each_block(t.vertex_count, part, 1024, [&](uint32_t begin, uint32_t end) {
         std::vector<uint32_t> corners, edges;
-        for (uint32_t v = range.begin(); v != range.end(); ++v)
+        for (uint32_t v = begin; v != end; ++v)
             if (t.vertex_manifold[v] != 0 && !order_star(t, v, corners, edges)) t.vertex_manifold[v] = 0;
     });
 }
 
-void build_half_edge_sharpness(Topology& t) {
+void build_half_edge_sharpness(Topology& t, const BuildPart& part) {
     if (t.options.creasing != CreasingMethod::chaikin) return;
     Array<SemiSharpEdges> around;
     around.allocate(t.vertex_count);
-    for_each_index(t.vertex_count, [&](uint32_t v) {
+    for_each_index(t.vertex_count, part.part(0, 0.5f), [&](uint32_t v) {
         around[v] = {};
         for (const uint32_t e : t.edges_of_vertex(v)) around[v].add(t.edge_sharpness[e]);
     });
     t.half_edge_sharpness.allocate(size_t{2} * t.edge_count);
-    for_each_index(2 * t.edge_count, [&](uint32_t i) {
+    for_each_index(2 * t.edge_count, part.part(0.5f, 1), [&](uint32_t i) {
         t.half_edge_sharpness[i] =
             child_edge_sharpness(t.options.creasing, t.edge_sharpness[i / 2], around[t.edge_vertices[i]]);
     });
 }
 
-Topology build_topology(const ControlMesh& mesh) {
+Topology build_topology(const ControlMesh& mesh, const BuildPart& part) {
     Topology t;
     t.options = mesh.options;
-    copy_faces(mesh, t);
+    copy_faces(mesh, t, part.part(0, 0.05f));
     Array<uint32_t> first;
     Array<uint8_t> non_manifold_corners, non_manifold_edges;
-    find_first_corners(t, first, non_manifold_corners);
-    build_incidence(t, first);
+    find_first_corners(t, first, non_manifold_corners, part.part(0.05f, 0.4f));
+    build_incidence(t, first, part.part(0.4f, 0.7f));
     t.vertex_manifold.assign(t.vertex_count, 1);
     non_manifold_edges.assign(t.edge_count, 0);
-    for (uint32_t c = 0; c < t.corner_count(); ++c) {
-        if (non_manifold_corners[c] == 0) continue;
+    for_each_in_order(t.corner_count(), part.part(0.7f, 0.75f), [&](uint32_t c) {
+        if (non_manifold_corners[c] == 0) return;
         non_manifold_edges[t.face_edges[c]] = 1;
         t.vertex_manifold[t.face_vertices[c]] = t.vertex_manifold[t.face_vertices[t.next_corner(c)]] = 0;
-    }
-    order_stars(t);
-    assign_sharpness(mesh, t, non_manifold_edges);
-    build_half_edge_sharpness(t);
+    });
+    order_stars(t, part.part(0.75f, 0.85f));
+    assign_sharpness(mesh, t, non_manifold_edges, part.part(0.85f, 0.95f));
+    build_half_edge_sharpness(t, part.part(0.95f, 1));
     return t;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "limn/array.h"
+#include "limn/build_control.h"
 #include "limn/control_mesh.h"
 
 namespace limn {
@@ -117,13 +118,14 @@ struct Topology {
     }
 };
 
-/// The topology of a control mesh: edges, stars, boundary and non-manifold rules, sharpness, holes.
-Topology build_topology(const ControlMesh& mesh);
+/// The topology of a control mesh: edges, stars, boundary and non-manifold rules, sharpness, holes. Not to be
+/// used, here and below, where `part` is cancelled.
+Topology build_topology(const ControlMesh& mesh, const BuildPart& part = {});
 
 /// The topology of one of its face-varying channels, cut along its seams. Its vertices are the distinct
 /// (vertex, value) pairs, ordered by vertex; `control_values[i]` receives the value index of pair i. Rules
 /// follow the channel's interpolation. Faces, their order and sizes are those of `base`.
 Topology build_face_varying_topology(const ControlMesh& mesh, const Topology& base, uint32_t channel,
-                                     Array<uint32_t>& control_values);
+                                     Array<uint32_t>& control_values, const BuildPart& part = {});
 
 }  // namespace limn

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "limn/parallel.h"
 #include "limn/topology.h"
 
 namespace limn {
@@ -24,39 +25,39 @@ inline Array<uint32_t> offsets_from_counts(const Array<uint32_t>& counts) {
 /// Groups 0 .. count - 1 by key(i) < key_count, ascending within each group.
 template <class Key>
 void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t>& offsets,
-              Array<uint32_t>& members) {
+              Array<uint32_t>& members, const BuildPart& part = {}) {
     Array<uint32_t> cursor;
     cursor.assign(key_count, 0);
-    for (uint32_t i = 0; i < count; ++i) ++cursor[key(i)];
+    for_each_in_order(count, part.part(0, 0.4f), [&](uint32_t i) { ++cursor[key(i)]; });
     offsets = offsets_from_counts(cursor);
     std::copy(offsets.begin(), offsets.end() - 1, cursor.begin());
     members.allocate(count);
-    for (uint32_t i = 0; i < count; ++i) members[cursor[key(i)]++] = i;
+    for_each_in_order(count, part.part(0.4f, 1), [&](uint32_t i) { members[cursor[key(i)]++] = i; });
 }
 
 /// Edges and stars from face_vertices. `first[c]` is the corner at which corner c's edge appears first; edges
 /// are numbered in that order. Stars come in corner and edge order.
-void build_incidence(Topology& t, const Array<uint32_t>& first);
+void build_incidence(Topology& t, const Array<uint32_t>& first, const BuildPart& part = {});
 
 /// Orders the stars of vertices flagged in vertex_manifold counter-clockwise; clears the flag where that
 /// fails.
-void order_stars(Topology& t);
+void order_stars(Topology& t, const BuildPart& part = {});
 
 /// The rules that the children of a vertex and of an edge have in the next level.
 VertexRule child_rule_of_vertex(const Topology& parent, uint32_t v);
 VertexRule child_rule_of_edge(const Topology& parent, uint32_t e);
 
 /// One refinement step. `full`: with edges and stars.
-Topology refine_once(const Topology& parent, bool full);
+Topology refine_once(const Topology& parent, bool full, const BuildPart& part = {});
 /// The same into a topology that has been made by it before, or is new.
-void refine_once(const Topology& parent, bool full, Topology& child);
+void refine_once(const Topology& parent, bool full, Topology& child, const BuildPart& part = {});
 
 /// Chaikin creasing looks at all edges around a vertex of the mesh, also beyond seams: gives the edges of a
 /// channel's level the half_edge_sharpness (and dependent_seam_sharpness) that the uncut level has for them.
 /// Corners of both correspond.
-void copy_half_edge_sharpness(const Topology& uncut, Topology& channel);
+void copy_half_edge_sharpness(const Topology& uncut, Topology& channel, const BuildPart& part = {});
 
 /// Chaikin creasing: fills half_edge_sharpness from the stars. Does nothing for uniform creasing.
-void build_half_edge_sharpness(Topology& t);
+void build_half_edge_sharpness(Topology& t, const BuildPart& part = {});
 
 }  // namespace limn
