@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "limn/vulkan/context.h"
+#include "limn/vulkan/synchronization.h"
 
 namespace limn::vk {
 
@@ -34,18 +35,6 @@ struct Buffer {
 /// Errors: out_of_memory, vulkan_failure. A size of 0 gives a buffer of 4 bytes.
 Result<Buffer> create_buffer(const Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
                              MemoryUse use);
-
-/// Pipeline stages and memory accesses in them.
-struct StageAccess {
-    VkPipelineStageFlags stages = 0;
-    VkAccessFlags access = 0;
-};
-inline constexpr StageAccess kKernelReads = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT};
-inline constexpr StageAccess kKernelWrites = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                              VK_ACCESS_SHADER_WRITE_BIT};
-inline constexpr StageAccess kCopyReads = {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT};
-inline constexpr StageAccess kCopyWrites = {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT};
-inline constexpr StageAccess kHostReads = {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
 
 /// One global memory barrier from `before` to `after`.
 void record_barrier(const Device& device, VkCommandBuffer command_buffer, StageAccess before,
