@@ -32,6 +32,21 @@ struct Buffer {
     void* mapped() const { return memory.mapped; }
 };
 
+/// What buffers take, known before any is made. An allocator is asked for each by itself, and for as much as the device
+/// rounds its size up to: count on buffer_count times its alignment more.
+struct MemoryNeed {
+    uint64_t device_bytes = 0;   ///< of MemoryUse::device, for as long as the object lives
+    uint64_t staging_bytes = 0;  ///< of MemoryUse::upload until the upload is done; none where device memory is mapped
+    uint32_t buffer_count = 0;   ///< of the device; staging has as many
+
+    MemoryNeed& operator+=(const MemoryNeed& other) {
+        device_bytes += other.device_bytes;
+        staging_bytes += other.staging_bytes;
+        buffer_count += other.buffer_count;
+        return *this;
+    }
+};
+
 /// Errors: out_of_memory, vulkan_failure. A size of 0 gives a buffer of 4 bytes.
 Result<Buffer> create_buffer(const Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
                              MemoryUse use);

@@ -1,5 +1,16 @@
 // What limn's commands do to memory, and the barriers that are owed around them: for the caller's VkDependencyInfo, or for
 // record_barrier (buffer.h). Flags of Vulkan 1.2 have the same values in synchronization2, so there is one set of them.
+//
+// Frames in flight. Tables, evaluators and tessellators are immutable: all frames, threads and queues share one of each.
+// What a frame writes is its own: for each frame in flight a buffer of points, outputs, and with them a StencilEvaluation
+// (prepare_points) and a Tessellation or SurfaceEvaluation that bind these; a Tessellation also has memory of its own that
+// its commands write. These are prepared once, recorded every frame, and need no barrier between frames. A frame begins
+// when the fence or semaphore of the one before it with the same objects has been waited for.
+//
+// A queue for compute. Submit evaluation there, signal a semaphore, wait for it on the graphics queue. Where families
+// differ, buffers go over with release_barrier and acquire_barrier: points where the graphics queue writes them, and
+// vertices, indices and the command on their way back, if the next frame needs what is in them. Buffers that the next
+// frame writes anew need no transfer back. limn's own memory is used on one queue family only: upload tables there.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
