@@ -99,10 +99,7 @@ SurfaceEvaluation& SurfaceEvaluation::operator=(SurfaceEvaluation&&) noexcept = 
 SurfaceEvaluation::~SurfaceEvaluation() = default;
 void SurfaceEvaluation::State::record_with_deferred(VkCommandBuffer commands) const {
     const Device& device = *recording.device;
-    const StageAccess kernels = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                 VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-    const StageAccess deferred_reads = {VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                        VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+    constexpr StageAccess kernels = kKernelReads | kKernelWrites, deferred_reads = kIndirectReads | kKernelReads;
     record_barrier(device, commands, deferred_reads, kCopyWrites);  // after what was recorded of it before
     for (const VkDeviceSize begin : deferred_bytes) {
         device.functions.CmdFillBuffer(commands, deferred.handle, begin, 8, 0);
