@@ -158,11 +158,18 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         info.previous_points = {.buffer = previous_points.handle};
         info.previous_positions = {previous.handle, offset_bytes, 0, 3};
     }
-    if (request.heights || request.texture != nullptr) info.heights = {heights.handle, offset_bytes, 0, 5};
+    if (request.heights || (request.texture != nullptr && !request.own_heights)) info.heights = {heights.handle, offset_bytes, 0, 5};
     if (request.texture != nullptr) info.height_texture = *request.texture;
     auto tessellation = tessellator_->prepare(info);
     EXPECT_TRUE(tessellation) << (tessellation ? "" : tessellation.error().message);
     if (!tessellation) return out;
+    const MemoryNeed need = tessellation_memory({.table = &out.table,
+                                                 .vertices = &trees,
+                                                 .channels = std::span(channel_pointers).first(info.channels.size()),
+                                                 .own_height_count = request.own_heights ? request.vertex_capacity : 0,
+                                                 .previous_points = request.previous,
+                                                 .rates_only = request.rates_only});
+    EXPECT_EQ(tessellation->state_bytes(), need.device_bytes);
     Result<Commands> commands = Commands::begin(device());
     for (const StencilEvaluation& evaluation : refined) evaluation.record(*commands);
     record_barrier(device(), *commands, kKernelWrites, kKernelReads);
@@ -214,7 +221,7 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         out.places = *download<uint32_t>(device(), places, 4 * count, offset_bytes);
         out.tangents = *download<float>(device(), tangents, 4 * count, offset_bytes);
     }
-    if (request.heights || request.texture != nullptr) {
+    if (request.heights || (request.texture != nullptr && !request.own_heights)) {
         const auto all = *download<float>(device(), heights, 5 * count, offset_bytes);
         for (size_t i = 0; i < all.size(); ++i)
             if (i % 5 < 3) out.heights.push_back(all[i]);

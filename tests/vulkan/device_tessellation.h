@@ -26,6 +26,7 @@ struct TessellationRequest {
     /// Heights by the caller: of a vertex from its place and position, h, dh/du, dh/dv.
     std::function<std::array<float, 3>(uint32_t face, float u, float v)> heights = {};
     const HeightTexture* texture = nullptr;  ///< of channel 0
+    bool own_heights = false;  ///< limn has the buffer of heights; with a texture
     bool clockwise = false;
     /// Where not empty, control points that vertices are made of once more, after the frame.
     std::vector<float> later_positions = {};

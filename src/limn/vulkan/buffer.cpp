@@ -42,7 +42,7 @@ VkResult allocate_by_default(const Device& device, const VkMemoryRequirements& r
     info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
     info.allocationSize = requirements.size;
     info.memoryTypeIndex = *type;
-    VkResult result = device.functions.AllocateMemory(device.handle, &info, nullptr, &block->memory);
+    VkResult result = device.functions.AllocateMemory(device.handle, &info, device.host_allocator, &block->memory);
     if (result != VK_SUCCESS) return result;
     constexpr VkMemoryPropertyFlags kHost =
         VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -50,7 +50,7 @@ VkResult allocate_by_default(const Device& device, const VkMemoryRequirements& r
     if (use != MemoryUse::device || (host && device.has_host_memory()))
         result =
             device.functions.MapMemory(device.handle, block->memory, 0, VK_WHOLE_SIZE, 0, &block->mapped);
-    if (result != VK_SUCCESS) device.functions.FreeMemory(device.handle, block->memory, nullptr);
+    if (result != VK_SUCCESS) device.functions.FreeMemory(device.handle, block->memory, device.host_allocator);
     return result;
 }
 
@@ -72,12 +72,12 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 
 Buffer::~Buffer() {
     if (device == nullptr) return;
-    if (handle != VK_NULL_HANDLE) device->functions.DestroyBuffer(device->handle, handle, nullptr);
+    if (handle != VK_NULL_HANDLE) device->functions.DestroyBuffer(device->handle, handle, device->host_allocator);
     if (memory.memory == VK_NULL_HANDLE) return;
     if (device->allocator.free != nullptr)
         device->allocator.free(device->allocator.user, memory);
     else
-        device->functions.FreeMemory(device->handle, memory.memory, nullptr);
+        device->functions.FreeMemory(device->handle, memory.memory, device->host_allocator);
 }
 
 Result<Buffer> create_buffer(const Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
@@ -90,7 +90,7 @@ Result<Buffer> create_buffer(const Device& device, VkDeviceSize size_bytes, VkBu
     info.size = buffer.size_bytes;
     info.usage = usage;
     const Functions& functions = device.functions;
-    VkResult result = functions.CreateBuffer(device.handle, &info, nullptr, &buffer.handle);
+    VkResult result = functions.CreateBuffer(device.handle, &info, device.host_allocator, &buffer.handle);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateBuffer", result);
     VkMemoryRequirements requirements;
     functions.GetBufferMemoryRequirements(device.handle, buffer.handle, &requirements);
@@ -128,7 +128,7 @@ Result<Commands> Commands::begin(const Device& device) {
     VkCommandPoolCreateInfo pool = {};
     pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
     pool.queueFamilyIndex = device.queue_family_index;
-    VkResult result = functions.CreateCommandPool(device.handle, &pool, nullptr, &commands.pool_);
+    VkResult result = functions.CreateCommandPool(device.handle, &pool, device.host_allocator, &commands.pool_);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateCommandPool", result);
     VkCommandBufferAllocateInfo allocate = {};
     allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
@@ -139,7 +139,7 @@ Result<Commands> Commands::begin(const Device& device) {
     if (result != VK_SUCCESS) return vulkan_error("vkAllocateCommandBuffers", result);
     VkFenceCreateInfo fence = {};
     fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-    result = functions.CreateFence(device.handle, &fence, nullptr, &commands.fence_);
+    result = functions.CreateFence(device.handle, &fence, device.host_allocator, &commands.fence_);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateFence", result);
     VkCommandBufferBeginInfo begin = {};
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
@@ -156,8 +156,8 @@ Commands::Commands(Commands&& other) noexcept
       recording_(other.recording_) {}
 
 Commands::~Commands() {
-    if (fence_ != VK_NULL_HANDLE) device_->functions.DestroyFence(device_->handle, fence_, nullptr);
-    if (pool_ != VK_NULL_HANDLE) device_->functions.DestroyCommandPool(device_->handle, pool_, nullptr);
+    if (fence_ != VK_NULL_HANDLE) device_->functions.DestroyFence(device_->handle, fence_, device_->host_allocator);
+    if (pool_ != VK_NULL_HANDLE) device_->functions.DestroyCommandPool(device_->handle, pool_, device_->host_allocator);
 }
 
 Result<void> Commands::submit_and_wait() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "limn/vulkan/context.h"
+#include "limn/vulkan/synchronization.h"
 
 namespace limn::vk {
 
@@ -31,21 +32,24 @@ struct Buffer {
     void* mapped() const { return memory.mapped; }
 };
 
+/// What buffers take, known before any is made. An allocator is asked for each by itself, and for as much as the device
+/// rounds its size up to: count on buffer_count times its alignment more.
+struct MemoryNeed {
+    uint64_t device_bytes = 0;   ///< of MemoryUse::device, for as long as the object lives
+    uint64_t staging_bytes = 0;  ///< of MemoryUse::upload until the upload is done; none where device memory is mapped
+    uint32_t buffer_count = 0;   ///< of the device; staging has as many
+
+    MemoryNeed& operator+=(const MemoryNeed& other) {
+        device_bytes += other.device_bytes;
+        staging_bytes += other.staging_bytes;
+        buffer_count += other.buffer_count;
+        return *this;
+    }
+};
+
 /// Errors: out_of_memory, vulkan_failure. A size of 0 gives a buffer of 4 bytes.
 Result<Buffer> create_buffer(const Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
                              MemoryUse use);
-
-/// Pipeline stages and memory accesses in them.
-struct StageAccess {
-    VkPipelineStageFlags stages = 0;
-    VkAccessFlags access = 0;
-};
-inline constexpr StageAccess kKernelReads = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT};
-inline constexpr StageAccess kKernelWrites = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                              VK_ACCESS_SHADER_WRITE_BIT};
-inline constexpr StageAccess kCopyReads = {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT};
-inline constexpr StageAccess kCopyWrites = {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT};
-inline constexpr StageAccess kHostReads = {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
 
 /// One global memory barrier from `before` to `after`.
 void record_barrier(const Device& device, VkCommandBuffer command_buffer, StageAccess before,

@@ -226,8 +226,10 @@ Result<Context> Context::borrow(const BorrowedHandles& handles) {
     device.queue_family_index = handles.queue_family_index;
     device.pipeline_cache = handles.pipeline_cache;
     device.allocator = handles.allocator;
+    device.host_allocator = handles.host_allocator;
     if (!load_instance_functions(device.functions, device.instance))
         return Error{ErrorCode::vulkan_failure, "the instance lacks a function of Vulkan 1.2"};
+    if (handles.get_device_proc_addr != nullptr) device.functions.GetDeviceProcAddr = handles.get_device_proc_addr;
     if (auto completed = complete_device(device); !completed) return completed.error();
     return context;
 }

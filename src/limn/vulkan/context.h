@@ -57,8 +57,10 @@ struct MemoryBlock {
     void* user = nullptr;  ///< the allocator's own
 };
 
-/// Where buffers get their memory. The default makes one vkAllocateMemory for each buffer; a caller may put
-/// its own allocator here. Both functions are called from the thread that calls limn.
+/// Where buffers get their memory, all of it: limn makes no VkDeviceMemory and no image of its own beside this. The
+/// default makes one vkAllocateMemory for each buffer; a caller may put its own allocator here, with a block at an offset
+/// that is a multiple of requirements.alignment, of a type in requirements.memoryTypeBits. Both functions are called from
+/// the thread that calls limn: from several at once where the caller prepares, uploads or destroys in several.
 struct Allocator {
     void* user = nullptr;
     VkResult (*allocate)(void* user, const VkMemoryRequirements& requirements, MemoryUse use,
@@ -67,7 +69,7 @@ struct Allocator {
 };
 
 /// Everything that limn::vk needs to know of a device. Handles are never limn's to destroy through this
-/// struct.
+/// struct. Read only, and so for all threads at once; but one thread at a time may submit to `queue`.
 struct Device {
     Functions functions;
     VkInstance instance = VK_NULL_HANDLE;
@@ -79,6 +81,7 @@ struct Device {
     VkPhysicalDeviceProperties properties = {};
     VkPhysicalDeviceMemoryProperties memory_properties = {};
     Allocator allocator;
+    const VkAllocationCallbacks* host_allocator = nullptr;
 
     const char* name() const { return properties.deviceName; }
     /// The host shares memory with it: staging copies are waste.
@@ -114,16 +117,20 @@ struct ContextOptions {
 
 /// The caller's device, made with Vulkan 1.2 or later; no feature or extension needs to be enabled. limn
 /// destroys none of these and submits nothing unless `queue` is given and a function that says it submits is
-/// called.
+/// called. Functions that do say so: the uploads without record_ in their names, upload_bytes, download_bytes, download,
+/// create_point_buffer, Commands. All others only make objects or record, into primary and secondary command buffers of
+/// queue_family_index or of any other family that supports compute.
 struct BorrowedHandles {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     uint32_t queue_family_index = 0;  ///< of the command buffers that will be recorded into; supports compute
-    PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
-    VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  ///< optional
-    VkQueue queue = VK_NULL_HANDLE;                   ///< optional
-    Allocator allocator;                              ///< optional: the default when its functions are null
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;  ///< the only way in: limn links no loader
+    PFN_vkGetDeviceProcAddr get_device_proc_addr = nullptr;      ///< optional: else what the instance gives
+    VkPipelineCache pipeline_cache = VK_NULL_HANDLE;             ///< optional: all pipelines are made with it
+    VkQueue queue = VK_NULL_HANDLE;                              ///< optional
+    Allocator allocator;                                   ///< optional: the default when its functions are null
+    const VkAllocationCallbacks* host_allocator = nullptr;  ///< optional: of every Vulkan object; outlives the Context
 };
 
 /// Owns (create) or refers to (borrow) a device. Must outlive all that is made from its device(); moving it

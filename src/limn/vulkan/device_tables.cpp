@@ -4,6 +4,20 @@
 
 namespace limn::vk {
 
+namespace {
+
+VkDeviceSize table_bytes(const StencilRuns& planned) {
+    return std::max<VkDeviceSize>(8, 8 * planned.pair_count);
+}
+
+}  // namespace
+
+Result<MemoryNeed> upload_memory(const StencilTable& table) {
+    const auto planned = plan_stencil_runs(table);
+    if (!planned) return planned.error();
+    return MemoryNeed{table_bytes(*planned), table_bytes(*planned), 1};
+}
+
 Result<StencilTableUpload> record_stencil_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                        const StencilTable& table) {
     auto planned = plan_stencil_runs(table);
@@ -16,7 +30,7 @@ Result<StencilTableUpload> record_stencil_table_upload(const Device& device, VkC
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                           VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                           VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    const VkDeviceSize size_bytes = std::max<VkDeviceSize>(8, 8 * planned->pair_count);
+    const VkDeviceSize size_bytes = table_bytes(*planned);
     auto data = create_buffer(device, size_bytes, kUsage, MemoryUse::device);
     if (!data) return data.error();
     upload.table.data = std::move(*data);

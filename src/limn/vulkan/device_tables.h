@@ -32,6 +32,9 @@ struct StencilTableUpload {
 Result<StencilTableUpload> record_stencil_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                        const StencilTable& table);
 
+/// What the upload takes. Errors: too_large.
+Result<MemoryNeed> upload_memory(const StencilTable& table);
+
 /// The same, submitted to Device::queue and waited for.
 Result<DeviceStencilTable> upload_stencil_table(const Device& device, const StencilTable& table);
 

@@ -84,8 +84,8 @@ struct StencilEvaluation::State {
 
     ~State() {
         const Functions& functions = device->functions;
-        for (const VkBufferView view : views) functions.DestroyBufferView(device->handle, view, nullptr);
-        if (pool != VK_NULL_HANDLE) functions.DestroyDescriptorPool(device->handle, pool, nullptr);
+        for (const VkBufferView view : views) functions.DestroyBufferView(device->handle, view, device->host_allocator);
+        if (pool != VK_NULL_HANDLE) functions.DestroyDescriptorPool(device->handle, pool, device->host_allocator);
     }
 };
 
@@ -297,7 +297,7 @@ class SetWriter {
         info.offset = range.offset;
         info.range = range.range;
         VkBufferView view = VK_NULL_HANDLE;
-        const VkResult result = device_.functions.CreateBufferView(device_.handle, &info, nullptr, &view);
+        const VkResult result = device_.functions.CreateBufferView(device_.handle, &info, device_.host_allocator, &view);
         if (result != VK_SUCCESS) return vulkan_error("vkCreateBufferView", result);
         views_.push_back(view);
         return view;
@@ -319,7 +319,7 @@ Result<VkDescriptorPool> create_pool(const Device& device, uint32_t set_count, b
     info.poolSizeCount = texel ? 2 : 1;
     info.pPoolSizes = sizes;
     VkDescriptorPool pool = VK_NULL_HANDLE;
-    const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, nullptr, &pool);
+    const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, device.host_allocator, &pool);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorPool", result);
     return pool;
 }

@@ -45,7 +45,8 @@ class StencilEvaluation {
     /// pass. It disturbs the compute pipeline, compute descriptor set 0 and the push constants of the command
     /// buffer. Before: source points visible to kKernelReads, earlier uses of the destination done (a barrier
     /// to kKernelWrites). Owed after: a barrier from kKernelWrites to whatever reads the points. Several
-    /// evaluations that do not depend on each other need no barrier in between.
+    /// evaluations that do not depend on each other need no barrier in between. Threads may record at once, each into a
+    /// command buffer of its own.
     void record(VkCommandBuffer command_buffer) const;
 
     uint32_t dispatch_count() const;

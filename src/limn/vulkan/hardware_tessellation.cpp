@@ -32,7 +32,7 @@ struct HardwareTessellator::State {
 
     ~State() {
         if (set_layout != VK_NULL_HANDLE)
-            device->functions.DestroyDescriptorSetLayout(device->handle, set_layout, nullptr);
+            device->functions.DestroyDescriptorSetLayout(device->handle, set_layout, device->host_allocator);
     }
     VkDescriptorType type() const {
         return texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
@@ -81,7 +81,7 @@ Result<HardwareTessellator> HardwareTessellator::create(const HardwareTessellato
     layout.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     layout.bindingCount = shared::kHardwareBindingCount;
     layout.pBindings = bindings.data();
-    const VkResult result = info.device->functions.CreateDescriptorSetLayout(info.device->handle, &layout, nullptr,
+    const VkResult result = info.device->functions.CreateDescriptorSetLayout(info.device->handle, &layout, info.device->host_allocator,
                                                                              &state.set_layout);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorSetLayout", result);
     return tessellator;

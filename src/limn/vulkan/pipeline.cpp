@@ -31,11 +31,11 @@ Kernel::~Kernel() {
     const Functions& functions = device->functions;
     if (pipelines)
         for (const auto& [constants, pipeline] : pipelines->by_constants)
-            functions.DestroyPipeline(device->handle, pipeline, nullptr);
-    if (layout != VK_NULL_HANDLE) functions.DestroyPipelineLayout(device->handle, layout, nullptr);
+            functions.DestroyPipeline(device->handle, pipeline, device->host_allocator);
+    if (layout != VK_NULL_HANDLE) functions.DestroyPipelineLayout(device->handle, layout, device->host_allocator);
     if (set_layout != VK_NULL_HANDLE)
-        functions.DestroyDescriptorSetLayout(device->handle, set_layout, nullptr);
-    if (shader != VK_NULL_HANDLE) functions.DestroyShaderModule(device->handle, shader, nullptr);
+        functions.DestroyDescriptorSetLayout(device->handle, set_layout, device->host_allocator);
+    if (shader != VK_NULL_HANDLE) functions.DestroyShaderModule(device->handle, shader, device->host_allocator);
 }
 
 Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
@@ -48,7 +48,7 @@ Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
     shader.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     shader.codeSize = info.spirv.size_bytes();
     shader.pCode = info.spirv.data();
-    VkResult result = functions.CreateShaderModule(device.handle, &shader, nullptr, &kernel.shader);
+    VkResult result = functions.CreateShaderModule(device.handle, &shader, device.host_allocator, &kernel.shader);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateShaderModule", result);
 
     std::vector<VkDescriptorSetLayoutBinding> bindings;
@@ -62,7 +62,7 @@ Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
     set_layout.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     set_layout.bindingCount = static_cast<uint32_t>(bindings.size());
     set_layout.pBindings = bindings.data();
-    result = functions.CreateDescriptorSetLayout(device.handle, &set_layout, nullptr, &kernel.set_layout);
+    result = functions.CreateDescriptorSetLayout(device.handle, &set_layout, device.host_allocator, &kernel.set_layout);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorSetLayout", result);
 
     const VkPushConstantRange push_constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, info.push_constant_bytes};
@@ -72,7 +72,7 @@ Result<Kernel> create_kernel(const Device& device, const KernelInfo& info) {
     layout.pSetLayouts = &kernel.set_layout;
     layout.pushConstantRangeCount = info.push_constant_bytes != 0 ? 1 : 0;
     layout.pPushConstantRanges = &push_constants;
-    result = functions.CreatePipelineLayout(device.handle, &layout, nullptr, &kernel.layout);
+    result = functions.CreatePipelineLayout(device.handle, &layout, device.host_allocator, &kernel.layout);
     if (result != VK_SUCCESS) return vulkan_error("vkCreatePipelineLayout", result);
     return kernel;
 }
@@ -98,7 +98,7 @@ Result<VkPipeline> create_pipeline(const Kernel& kernel, std::span<const uint32_
     VkPipeline pipeline = VK_NULL_HANDLE;
     const Device& device = *kernel.device;
     const VkResult result = device.functions.CreateComputePipelines(device.handle, device.pipeline_cache, 1,
-                                                                    &info, nullptr, &pipeline);
+                                                                    &info, device.host_allocator, &pipeline);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateComputePipelines", result);
     return pipeline;
 }

@@ -19,7 +19,7 @@ Result<VkDescriptorPool> create_pool(const Device& device, std::span<const Bound
     info.poolSizeCount = static_cast<uint32_t>(sizes.size());
     info.pPoolSizes = sizes.data();
     VkDescriptorPool pool = VK_NULL_HANDLE;
-    const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, nullptr, &pool);
+    const VkResult result = device.functions.CreateDescriptorPool(device.handle, &info, device.host_allocator, &pool);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateDescriptorPool", result);
     return pool;
 }
@@ -32,7 +32,7 @@ Result<VkBufferView> create_view(const Device& device, const BoundBuffer& b) {
     info.offset = b.offset_bytes;
     info.range = b.size_bytes;
     VkBufferView view = VK_NULL_HANDLE;
-    const VkResult result = device.functions.CreateBufferView(device.handle, &info, nullptr, &view);
+    const VkResult result = device.functions.CreateBufferView(device.handle, &info, device.host_allocator, &view);
     if (result != VK_SUCCESS) return vulkan_error("vkCreateBufferView", result);
     return view;
 }
@@ -56,8 +56,8 @@ Result<void> check_ranges(const VkPhysicalDeviceLimits& limits, std::span<const 
 Recording::~Recording() {
     if (device == nullptr) return;
     const Functions& functions = device->functions;
-    for (const VkBufferView view : views) functions.DestroyBufferView(device->handle, view, nullptr);
-    for (const VkDescriptorPool pool : pools) functions.DestroyDescriptorPool(device->handle, pool, nullptr);
+    for (const VkBufferView view : views) functions.DestroyBufferView(device->handle, view, device->host_allocator);
+    for (const VkDescriptorPool pool : pools) functions.DestroyDescriptorPool(device->handle, pool, device->host_allocator);
 }
 
 Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,

@@ -99,10 +99,7 @@ SurfaceEvaluation& SurfaceEvaluation::operator=(SurfaceEvaluation&&) noexcept = 
 SurfaceEvaluation::~SurfaceEvaluation() = default;
 void SurfaceEvaluation::State::record_with_deferred(VkCommandBuffer commands) const {
     const Device& device = *recording.device;
-    const StageAccess kernels = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                 VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-    const StageAccess deferred_reads = {VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                        VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+    constexpr StageAccess kernels = kKernelReads | kKernelWrites, deferred_reads = kIndirectReads | kKernelReads;
     record_barrier(device, commands, deferred_reads, kCopyWrites);  // after what was recorded of it before
     for (const VkDeviceSize begin : deferred_bytes) {
         device.functions.CmdFillBuffer(commands, deferred.handle, begin, 8, 0);
@@ -428,10 +425,15 @@ std::vector<uint32_t> sample_constants(const SampleJob& job, bool deferred) {
 }
 
 /// As many at once as the device can bind of any of the buffers, and as workgroups fit into one dimension.
-uint64_t window_size(const PatchEvaluationInfo& info, const VkPhysicalDeviceLimits& limits) {
-    const uint64_t largest = std::max<uint64_t>(12, 4ull * info.results.stride);
+uint64_t window_size(uint32_t result_stride, const VkPhysicalDeviceLimits& limits) {
+    const uint64_t largest = std::max<uint64_t>(12, 4ull * result_stride);
     return std::clamp<uint64_t>((limits.maxStorageBufferRange - 256) / largest, 1,
                                 uint64_t{limits.maxComputeWorkGroupCount[0]} * shared::kPatchWorkgroupSize);
+}
+/// Of the samples that a window defers.
+uint64_t list_bytes(uint64_t sample_count, const VkPhysicalDeviceLimits& limits) {
+    const uint64_t alignment = limits.minStorageBufferOffsetAlignment;
+    return (4 * (sample_count + shared::kDeferredHeader) + alignment - 1) / alignment * alignment;
 }
 uint64_t group_count(const SampleWindow& window) {
     return (window.end - window.first + shared::kPatchWorkgroupSize - 1) / shared::kPatchWorkgroupSize;
@@ -448,6 +450,12 @@ Result<void> check_trees(const DevicePatchTable* patches, const DevicePatchTrees
 }
 
 }  // namespace
+
+MemoryNeed sample_memory(const Device& device, uint32_t sample_count, uint32_t result_stride) {
+    const VkPhysicalDeviceLimits& limits = device.properties.limits;
+    const uint64_t size = window_size(result_stride, limits), windows = (sample_count + size - 1) / size;
+    return {std::max<uint64_t>(4, windows * list_bytes(std::min<uint64_t>(size, sample_count), limits)), 0, 1};
+}
 
 Result<SurfaceEvaluation> SurfaceEvaluator::prepare_locations(const LocationInfo& info) const {
     if (info.patches == nullptr) return bad_argument("there is no patch table to evaluate");
@@ -485,7 +493,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const PatchEvaluation
     const SampleJob job{info, values, values == 0 ? 5 : values * info.width};
     auto pipeline = this->pipeline(kPatch, sample_constants(job, false));
     if (!pipeline) return pipeline.error();
-    const uint64_t size = window_size(info, device->properties.limits);
+    const uint64_t size = window_size(info.results.stride, device->properties.limits);
     for (uint64_t first = 0; first < info.samples.count; first += size) {
         const SampleWindow window = {first, std::min<uint64_t>(info.samples.count, first + size)};
         const std::vector<BoundBuffer> bound = bind_samples(job, reads(), window);
@@ -507,12 +515,9 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare_with_trees(const Patc
     if (!tree_pipeline) return tree_pipeline.error();
     auto deferred_pipeline = pipeline(kPatch, sample_constants(job, true));
     if (!deferred_pipeline) return deferred_pipeline.error();
-    const uint64_t size = window_size(info, device->properties.limits), windows = (info.samples.count + size - 1) / size;
-    const uint64_t alignment = device->properties.limits.minStorageBufferOffsetAlignment;
-    const auto list_bytes = [&](uint64_t count) {
-        return (4 * (count + shared::kDeferredHeader) + alignment - 1) / alignment * alignment;
-    };
-    auto deferred = create_buffer(*device, windows * list_bytes(std::min<uint64_t>(size, info.samples.count)),
+    const VkPhysicalDeviceLimits& limits = device->properties.limits;
+    const uint64_t size = window_size(info.results.stride, limits), windows = (info.samples.count + size - 1) / size;
+    auto deferred = create_buffer(*device, sample_memory(*device, info.samples.count, info.results.stride).device_bytes,
                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                   MemoryUse::device);
@@ -520,9 +525,9 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare_with_trees(const Patc
     out.deferred = std::move(*deferred);
     for (uint64_t w = 0; w < windows; ++w) {
         const uint64_t first = w * size, end = std::min<uint64_t>(info.samples.count, first + size);
-        const VkDeviceSize begin = w * list_bytes(size);
+        const VkDeviceSize begin = w * list_bytes(size, limits);
         const SampleWindow window = {
-            first, end, {out.deferred.handle, begin, list_bytes(end - first), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
+            first, end, {out.deferred.handle, begin, list_bytes(end - first, limits), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
         const std::vector<BoundBuffer> bound_trees = bind_trees(job, reads(), window),
                                        bound_samples = bind_samples(job, reads(), window);
         auto tree_set = out.recording.add_set(kernels[kTree].set_layout, bound_trees);

@@ -76,6 +76,9 @@ struct PatchEvaluationInfo {
     VkBuffer local_points = VK_NULL_HANDLE;   ///< as LocalPointsInfo
 };
 
+/// What prepare_samples with trees makes memory for; all other evaluations make none.
+MemoryNeed sample_memory(const Device& device, uint32_t sample_count, uint32_t result_stride);
+
 /// Where samples are, as locate_patches, in float: five words for each, at point s of `places`: surface,
 /// plan, node, and u and v as floats; zeros where the status is not valid.
 struct LocationInfo {

@@ -11,6 +11,30 @@
 
 namespace limn::vk {
 
+namespace {
+
+std::array<TableSection, 7> patch_sections(const PatchTable& table, shared::PatchTableOffsets& offsets) {
+    return {section_of(table.ptex_surfaces, offsets.ptex_surfaces),
+            section_of(table.surfaces, offsets.surfaces),
+            section_of(table.ring_points.words, offsets.ring_points),
+            section_of(table.plans, offsets.plans),
+            section_of(table.plan_nodes, offsets.plan_nodes),
+            section_of(table.plan_points, offsets.plan_points),
+            section_of(table.plan_weights, offsets.plan_weights)};
+}
+
+}  // namespace
+
+Result<MemoryNeed> upload_memory(const PatchTable& table) {
+    shared::PatchTableOffsets offsets;
+    auto need = sections_memory(patch_sections(table, offsets));
+    if (!need || table.refined_count == 0) return need;
+    const auto points = upload_memory(build_point_table(table));
+    if (!points) return points.error();
+    *need += *points;
+    return need;
+}
+
 Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                    const PatchTable& table) {
     PatchTableUpload upload;
@@ -23,13 +47,7 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
     out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
     out.narrow_rings = table.ring_points.narrow;
     for (const Plan& plan : table.plans) out.max_ring_size = std::max(out.max_ring_size, plan.ring_size);
-    const TableSection sections[] = {section_of(table.ptex_surfaces, out.offsets.ptex_surfaces),
-                                     section_of(table.surfaces, out.offsets.surfaces),
-                                     section_of(table.ring_points.words, out.offsets.ring_points),
-                                     section_of(table.plans, out.offsets.plans),
-                                     section_of(table.plan_nodes, out.offsets.plan_nodes),
-                                     section_of(table.plan_points, out.offsets.plan_points),
-                                     section_of(table.plan_weights, out.offsets.plan_weights)};
+    const auto sections = patch_sections(table, out.offsets);
     auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
     if (!words) return words.error();
     out.words = std::move(*words);
@@ -179,6 +197,32 @@ GridWords lay_out(const GridTable& table, bool cpu_device) {
 }
 
 }  // namespace
+
+Result<MemoryNeed> upload_memory(const Device& device, const GridTable& table) {
+    const uint64_t words = lay_out(table, reads_texels(device)).words.size();
+    if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
+    MemoryNeed need = table_memory(words * 4);
+    need += table_memory(table.weights.bytes());
+    return need;
+}
+
+Result<MemoryNeed> upload_memory(const Device& device, const RefinedGridTable& table) {
+    auto need = upload_memory(device, table.grid);
+    if (need) *need += table_memory(table.ring_points.bytes());
+    return need;
+}
+
+Result<MemoryNeed> upload_memory(const Device& device, const PatchTreeTable& table) {
+    shared::TreeOffsets offsets;
+    std::vector<TableSection> sections;
+    add_tree_sections(table, offsets, sections);
+    auto need = sections_memory(sections);
+    if (!need) return need;
+    const auto local_points = upload_memory(device, table.local_points);
+    if (!local_points) return local_points.error();
+    *need += *local_points;
+    return need;
+}
 
 Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                  const GridTable& table) {

@@ -110,6 +110,13 @@ Result<RefinedGridUpload> record_refined_grid_upload(const Device& device, VkCom
 Result<PatchTreesUpload> record_patch_trees_upload(const Device& device, VkCommandBuffer command_buffer,
                                                    const PatchTreeTable& table);
 
+/// What an upload takes: all that it makes, byte for byte. Tables are laid out for that, which takes part of the time of
+/// an upload. Errors: too_large.
+Result<MemoryNeed> upload_memory(const PatchTable& table);
+Result<MemoryNeed> upload_memory(const Device& device, const GridTable& table);
+Result<MemoryNeed> upload_memory(const Device& device, const RefinedGridTable& table);
+Result<MemoryNeed> upload_memory(const Device& device, const PatchTreeTable& table);
+
 /// The same, submitted to Device::queue and waited for.
 Result<DevicePatchTable> upload_patch_table(const Device& device, const PatchTable& table);
 Result<DeviceGridTable> upload_grid_table(const Device& device, const GridTable& table);

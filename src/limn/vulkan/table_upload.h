@@ -9,11 +9,18 @@
 
 namespace limn::vk {
 
+inline VkDeviceSize table_bytes(VkDeviceSize content_bytes) {
+    return std::max<VkDeviceSize>(content_bytes, 16);
+}
+inline MemoryNeed table_memory(VkDeviceSize content_bytes) {
+    return {table_bytes(content_bytes), table_bytes(content_bytes), 1};
+}
+
 /// A device buffer, and where the host writes its contents: through `staging` where it is not mapped. The copy, with a
 /// barrier to kernel reads, is recorded.
 inline Result<std::pair<Buffer, void*>> create_table_buffer(const Device& device, VkCommandBuffer command_buffer,
                                                             VkDeviceSize size_bytes, std::vector<Buffer>& staging) {
-    size_bytes = std::max<VkDeviceSize>(size_bytes, 16);
+    size_bytes = table_bytes(size_bytes);
     auto buffer = create_buffer(device, size_bytes, kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
     if (!buffer) return buffer.error();
     void* words = buffer->mapped();
@@ -40,16 +47,28 @@ TableSection section_of(const Array& array, uint32_t& offset) {
     return {array.data(), array.bytes(), &offset};
 }
 
-/// One buffer for all sections, each from a multiple of four words. Errors: too_large, and as create_buffer.
-inline Result<Buffer> record_sections_upload(const Device& device, VkCommandBuffer command_buffer,
-                                             std::span<const TableSection> sections, std::vector<Buffer>& staging) {
+/// Sets offsets, each to a multiple of four words. Returns how many words there are. Errors: too_large.
+inline Result<uint64_t> place_sections(std::span<const TableSection> sections) {
     uint64_t words = 0;
     for (const TableSection& s : sections) {
         *s.offset = static_cast<uint32_t>(words);
         words += (s.bytes + 15) / 16 * 4;
     }
     if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a table of 2^32 words or more"};
-    auto buffer = create_table_buffer(device, command_buffer, words * 4, staging);
+    return words;
+}
+inline Result<MemoryNeed> sections_memory(std::span<const TableSection> sections) {
+    const auto words = place_sections(sections);
+    if (!words) return words.error();
+    return table_memory(*words * 4);
+}
+
+/// One buffer for all sections. Errors: too_large, and as create_buffer.
+inline Result<Buffer> record_sections_upload(const Device& device, VkCommandBuffer command_buffer,
+                                             std::span<const TableSection> sections, std::vector<Buffer>& staging) {
+    const auto words = place_sections(sections);
+    if (!words) return words.error();
+    auto buffer = create_table_buffer(device, command_buffer, *words * 4, staging);
     if (!buffer) return buffer.error();
     for (const TableSection& s : sections)
         if (s.bytes != 0) std::memcpy(static_cast<uint32_t*>(buffer->second) + *s.offset, s.data, s.bytes);

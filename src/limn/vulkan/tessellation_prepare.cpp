@@ -19,6 +19,19 @@ Result<void> check_words(const WordBuffer& words, bool optional) {
     return {};
 }
 
+VkDeviceSize local_bytes_of(uint32_t local_count) {
+    return std::max<VkDeviceSize>(VkDeviceSize{local_count} * 16, 16);
+}
+VkDeviceSize height_bytes_of(uint32_t vertex_capacity) {
+    return std::max<VkDeviceSize>(VkDeviceSize{vertex_capacity} * 12, 4);
+}
+/// Of a TessellationTable or a DeviceTessellationTable.
+template <class Table>
+VkDeviceSize word_bytes_of(const Table& table, uint32_t rate_edge_count, bool rates_only) {
+    return 4ull * (rates_only ? shared::tess_items(rate_edge_count, table.face_count)
+                              : shared::tess_state_words(rate_edge_count, table.face_count, table.row_count));
+}
+
 /// For hardware tessellation: no vertices, no triangles.
 bool is_rates_only(const TessellationInfo& info) {
     return info.positions.buffer == VK_NULL_HANDLE && info.indices.buffer == VK_NULL_HANDLE &&
@@ -187,7 +200,7 @@ struct TessellationPreparation {
 
 Result<void> TessellationPreparation::add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees,
                                     const PointBuffer& points, uint32_t width) {
-    const VkDeviceSize bytes = std::max<VkDeviceSize>(VkDeviceSize{trees.local_count} * 16, 16);
+    const VkDeviceSize bytes = local_bytes_of(trees.local_count);
     auto buffer = create_buffer(device(), bytes, kPointUsage, MemoryUse::device);
     if (!buffer) return buffer.error();
     local_bytes.push_back(bytes);
@@ -423,7 +436,7 @@ Result<void> TessellationPreparation::add_outputs() {
     const bool normals = info.normals.buffer != VK_NULL_HANDLE, texture = info.height_texture.view != VK_NULL_HANDLE;
     heights = info.heights;
     if (texture && heights.buffer == VK_NULL_HANDLE) {
-        auto buffer = create_buffer(device(), 12ull * info.vertex_capacity, kPointUsage, MemoryUse::device);
+        auto buffer = create_buffer(device(), height_bytes_of(info.vertex_capacity), kPointUsage, MemoryUse::device);
         if (!buffer) return buffer.error();
         out.own_heights = std::move(*buffer);
         heights = {.buffer = out.own_heights.handle};
@@ -470,6 +483,16 @@ Result<void> TessellationPreparation::add_outputs() {
     return add_copies(info.previous_positions, out.plain.copies);
 }
 
+MemoryNeed tessellation_memory(const TessellationMemoryInfo& info) {
+    MemoryNeed need = {word_bytes_of(*info.table, info.table->rate_edge_count, info.rates_only), 0, 1};
+    const auto add = [&](VkDeviceSize bytes) { need += {bytes, 0, 1}; };
+    add(local_bytes_of(info.vertices->local_count()));
+    if (info.previous_points) add(local_bytes_of(info.vertices->local_count()));
+    for (const PatchTreeTable* channel : info.channels) add(local_bytes_of(channel->local_count()));
+    if (info.own_height_count != 0) add(height_bytes_of(info.own_height_count));
+    return need;
+}
+
 Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     if (auto checked = check(info); !checked) return checked.error();
     Tessellation tessellation;
@@ -487,10 +510,7 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     out.cull_backfaces = info.cull_backfaces;
     out.max_rate = table.max_rate;
     out.table = &table;
-    const VkDeviceSize words =
-        4ull * (is_rates_only(info)
-                    ? shared::tess_items(table.rate_edge_count, table.face_count)
-                    : shared::tess_state_words(table.rate_edge_count, table.face_count, table.row_count));
+    const VkDeviceSize words = word_bytes_of(table, table.rate_edge_count, is_rates_only(info));
     auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
     if (!buffer) return buffer.error();
     out.words = std::move(*buffer);

@@ -17,7 +17,47 @@ Array<uint32_t> list_instances(const TessellationTable& table) {
     return words;
 }
 
+/// Words that are not a table's own.
+struct MadeWords {
+    Array<uint32_t> copies, instances;
+};
+
+/// Of the words of a tessellation table: trees first, which start at offsets of `out`, as all sections do. `made`, what is made
+/// for them, has to live as long as they are in use.
+std::vector<TableSection> sections_of(const TessellationTable& table, const PatchTreeTable& vertices,
+                                      std::span<const PatchTreeTable* const> channels, DeviceTessellationTable& out,
+                                      MadeWords& made) {
+    std::vector<TableSection> sections;
+    add_tree_sections(vertices, out.vertices.offsets, sections);
+    for (size_t c = 0; c < channels.size(); ++c) add_tree_sections(*channels[c], out.channels[c].offsets, sections);
+    sections.push_back(section_of(table.faces, out.offsets.faces));
+    sections.push_back(section_of(table.rows, out.offsets.rows));
+    sections.push_back(section_of(table.corners, out.offsets.corners));
+    sections.push_back(section_of(table.rate_edges, out.offsets.rate_edges));
+    made.copies.allocate(table.corner_copies.size() + table.row_copies.size());
+    std::copy(table.corner_copies.begin(), table.corner_copies.end(), made.copies.begin());
+    std::copy(table.row_copies.begin(), table.row_copies.end(), made.copies.begin() + table.corner_copies.size());
+    sections.push_back(section_of(made.copies, out.offsets.copies));
+    made.instances = list_instances(table);
+    sections.push_back(section_of(made.instances, out.instances_offset));
+    return sections;
+}
+
 }  // namespace
+
+Result<MemoryNeed> upload_memory(const Device& device, const TessellationTable& table, const PatchTreeTable& vertices,
+                                 std::span<const PatchTreeTable* const> channels) {
+    DeviceTessellationTable offsets;
+    offsets.channels.resize(channels.size());
+    MadeWords made;
+    auto need = sections_memory(sections_of(table, vertices, channels, offsets, made));
+    for (size_t i = 0; i < 1 + channels.size() && need; ++i) {
+        const auto local_points = upload_memory(device, (i == 0 ? vertices : *channels[i - 1]).local_points);
+        if (!local_points) return local_points.error();
+        *need += *local_points;
+    }
+    return need;
+}
 
 Result<TessellationTableUpload> record_tessellation_table_upload(const Device& device, VkCommandBuffer command_buffer,
                                                                  const TessellationTable& table,
@@ -42,24 +82,12 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
         out.channels.push_back(std::move(*channel_trees));
         out.max_rate = std::min(out.max_rate, channel->max_rate);
     }
-    std::vector<TableSection> sections;
-    add_tree_sections(vertices, out.vertices.offsets, sections);
-    for (size_t c = 0; c < channels.size(); ++c) add_tree_sections(*channels[c], out.channels[c].offsets, sections);
     for (size_t i = 0; i < 1 + channels.size(); ++i)
         if ((i == 0 ? vertices : *channels[i - 1]).ptex_surfaces.size() != table.face_count)
             return Error{ErrorCode::invalid_argument, "patch trees are of another mesh than the tessellation table"};
-    sections.push_back(section_of(table.faces, out.offsets.faces));
-    sections.push_back(section_of(table.rows, out.offsets.rows));
-    sections.push_back(section_of(table.corners, out.offsets.corners));
-    sections.push_back(section_of(table.rate_edges, out.offsets.rate_edges));
-    Array<uint32_t> copies;
-    copies.allocate(table.corner_copies.size() + table.row_copies.size());
-    std::copy(table.corner_copies.begin(), table.corner_copies.end(), copies.begin());
-    std::copy(table.row_copies.begin(), table.row_copies.end(), copies.begin() + table.corner_copies.size());
-    sections.push_back(section_of(copies, out.offsets.copies));
-    const Array<uint32_t> instances = list_instances(table);
     out.instance_count = table.instance_count();
-    sections.push_back(section_of(instances, out.instances_offset));
+    MadeWords made;
+    const auto sections = sections_of(table, vertices, channels, out, made);
     auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
     if (!words) return words.error();
     out.words = std::move(*words);

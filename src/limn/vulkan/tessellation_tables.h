@@ -44,6 +44,9 @@ struct TessellationTableUpload {
 Result<TessellationTableUpload> record_tessellation_table_upload(
     const Device& device, VkCommandBuffer command_buffer, const TessellationTable& table,
     const PatchTreeTable& vertices, std::span<const PatchTreeTable* const> channels = {});
+/// What the upload takes, as for the other tables.
+Result<MemoryNeed> upload_memory(const Device& device, const TessellationTable& table, const PatchTreeTable& vertices,
+                                 std::span<const PatchTreeTable* const> channels = {});
 Result<DeviceTessellationTable> upload_tessellation_table(const Device& device, const TessellationTable& table,
                                                           const PatchTreeTable& vertices,
                                                           std::span<const PatchTreeTable* const> channels = {});

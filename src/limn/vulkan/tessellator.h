@@ -106,8 +106,20 @@ struct TessellationResult {
     float rate_scale;
 };
 
+/// What Tessellator::prepare makes memory for, in terms of what is there before any device memory is.
+struct TessellationMemoryInfo {
+    const TessellationTable* table = nullptr;
+    const PatchTreeTable* vertices = nullptr;
+    std::span<const PatchTreeTable* const> channels;  ///< one for each of TessellationInfo::channels
+    uint32_t own_height_count = 0;  ///< vertex_capacity where there is a height texture and no heights; else 0
+    bool previous_points = false;
+    bool rates_only = false;
+};
+/// Tessellation::state_bytes, in as many buffers as that takes.
+MemoryNeed tessellation_memory(const TessellationMemoryInfo& info);
+
 /// A tessellation with all that it needs bound, and memory of its own for what lies between (state_bytes). To be
-/// recorded as often as wanted, but executed by one queue at a time. The tables and buffers must outlive it.
+/// recorded as often as wanted, by several threads at once, too, but executed by one queue at a time. The tables and buffers must outlive it.
 class Tessellation {
   public:
     Tessellation(Tessellation&&) noexcept;
@@ -116,7 +128,7 @@ class Tessellation {
 
     /// A frame: all of the passes below. Mode, spacing and culling of the settings are those of the TessellationInfo.
     /// Before: points visible to kKernelReads, earlier uses of the outputs done. Owed after: a barrier from kKernelWrites
-    /// to what reads them. With an error (check_rate_settings) the commands recorded draw nothing.
+    /// to what reads them (kDrawReads, kCopyReads). With an error (check_rate_settings) the commands recorded draw nothing.
     Result<void> record(VkCommandBuffer command_buffer, const RateSettings& settings) const;
 
     /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone (and what
