@@ -1,0 +1,77 @@
+// OpenSubdiv's patches: primvars and their derivatives at a list of patch coordinates, by OpenSubdiv's own tables.
+// One invocation per coordinate (limn/shared/osd_patch_eval_params.h). With LIMN_TEXEL all that is read is uniform texel
+// buffers.
+// Reads: patch arrays, control vertex indices, patch params, patch coordinates, source points.
+// Writes: up to four components of up to three points; zeros where a coordinate names no patch.
+// Deterministic: each point sums its control vertices in order.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "limn/shared/osd_patch.h"
+#include "limn/shared/osd_patch_eval_params.h"
+
+#ifdef LIMN_TEXEL
+layout(binding = kOsdArraysBinding) uniform utextureBuffer arrays;
+layout(binding = kOsdIndicesBinding) uniform utextureBuffer indices;
+layout(binding = kOsdParamsBinding) uniform utextureBuffer patch_params;
+layout(binding = kOsdCoordsBinding) uniform utextureBuffer coords;
+layout(binding = kOsdSourceBinding) uniform textureBuffer source;
+#define FETCH(buffer_name, i) texelFetch(buffer_name, int(i)).x
+#else
+layout(std430, binding = kOsdArraysBinding) readonly buffer Arrays { uint arrays[]; };
+layout(std430, binding = kOsdIndicesBinding) readonly buffer Indices { uint indices[]; };
+layout(std430, binding = kOsdParamsBinding) readonly buffer PatchParams { uint patch_params[]; };
+layout(std430, binding = kOsdCoordsBinding) readonly buffer Coords { uint coords[]; };
+layout(std430, binding = kOsdSourceBinding) readonly buffer Source { float source[]; };
+#define FETCH(buffer_name, i) buffer_name[i]
+#endif
+layout(std430, binding = kOsdOutputBinding) writeonly buffer Output0 { float output0[]; };
+layout(std430, binding = kOsdOutputBinding + 1) writeonly buffer Output1 { float output1[]; };
+layout(std430, binding = kOsdOutputBinding + 2) writeonly buffer Output2 { float output2[]; };
+
+layout(std430, push_constant) uniform Push { OsdPatchEvalParams params; };
+layout(local_size_x = kOsdPatchWorkgroupSize) in;
+layout(constant_id = kOsdWidthConstant) const uint kWidth = 3;
+layout(constant_id = kOsdSecondConstant) const uint kSecond = 0;
+layout(constant_id = kOsdOutputsConstant) const uint kOutputs = 7;
+layout(constant_id = kOsdTypesConstant) const uint kTypes = 0xffffffffu;
+
+vec4 source_point(uint vertex) {
+    const uint at = params.source_base + vertex * params.source_stride;
+    return vec4(FETCH(source, at), kWidth > 1 ? FETCH(source, at + 1) : 0, kWidth > 2 ? FETCH(source, at + 2) : 0,
+                kWidth > 3 ? FETCH(source, at + 3) : 0);
+}
+
+void sum_patch(uint array, uint patch_index, float s, float t, inout vec4 sums[kOsdOutputCount]) {
+    const uint at = array * kOsdArrayWords;
+    const uint in_array = patch_index - FETCH(arrays, at + 5);
+    if (in_array >= FETCH(arrays, at + 2)) return;
+    const uint param = FETCH(patch_params, patch_index * kOsdParamWords + 1);
+    const uint type = osd_param_regular(param) ? FETCH(arrays, at) : FETCH(arrays, at + 1);
+    const uint first = FETCH(arrays, at + 3) + in_array * FETCH(arrays, at + 4);
+    Jet basis[20];
+    osd_patch_basis(kTypes, type, param, s, t, basis);
+    const uint count = osd_point_count(type);
+    for (uint k = 0; k < count; ++k) {
+        const vec4 point = source_point(FETCH(indices, first + k));
+        sums[0] += (kSecond != 0 ? basis[k].uu : basis[k].f) * point;
+        sums[1] += (kSecond != 0 ? basis[k].uv : basis[k].u) * point;
+        sums[2] += (kSecond != 0 ? basis[k].vv : basis[k].v) * point;
+    }
+}
+
+void main() {
+    const uint c = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kOsdPatchWorkgroupSize +
+                   gl_LocalInvocationID.x;
+    if (c >= params.coord_count) return;
+    const uint at = params.coord_base + c * kOsdCoordWords, array = FETCH(coords, at);
+    vec4 sums[kOsdOutputCount] = vec4[kOsdOutputCount](vec4(0), vec4(0), vec4(0));
+    if (array < params.array_count)
+        sum_patch(array, FETCH(coords, at + 1), uintBitsToFloat(FETCH(coords, at + 3)),
+                  uintBitsToFloat(FETCH(coords, at + 4)), sums);
+    for (uint i = 0; i < kWidth; ++i) {
+        if ((kOutputs & 1) != 0) output0[params.output_base[0] + c * params.output_stride[0] + i] = sums[0][i];
+        if ((kOutputs & 2) != 0) output1[params.output_base[1] + c * params.output_stride[1] + i] = sums[1][i];
+        if ((kOutputs & 4) != 0) output2[params.output_base[2] + c * params.output_stride[2] + i] = sums[2][i];
+    }
+}
