@@ -6,6 +6,7 @@
 // Deterministic: each point sums its control vertices in order.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "limn/shared/osd_patch.h"
 #include "limn/shared/osd_patch_eval_params.h"
@@ -42,22 +43,56 @@ vec4 source_point(uint vertex) {
                 kWidth > 3 ? FETCH(source, at + 3) : 0);
 }
 
-void sum_patch(uint array, uint patch_index, float s, float t, inout vec4 sums[kOsdOutputCount]) {
+vec4 sums[kOsdOutputCount] = vec4[kOsdOutputCount](vec4(0), vec4(0), vec4(0));
+
+void add_point(uint index, Jet weight) {
+    const vec4 point = source_point(FETCH(indices, index));
+    sums[0] += (kSecond != 0 ? weight.uu : weight.f) * point;
+    sums[1] += (kSecond != 0 ? weight.uv : weight.u) * point;
+    sums[2] += (kSecond != 0 ? weight.vv : weight.v) * point;
+}
+
+// Loops over corners stay loops: unrolled, the functions of a whole patch are more than registers hold.
+void sum_points(uint type, uint boundary, uint first, float u, float v) {
+    if (osd_is_type(kTypes, type, kOsdRegular)) {
+        Jet basis[20];
+        osd_bicubic_basis(boundary, u, v, basis);
+        for (int i = 0; i < 16; ++i) add_point(first + i, basis[i]);
+    } else if (osd_is_type(kTypes, type, kOsdLoop)) {
+        Jet basis[20];
+        osd_box_spline_basis(boundary, u, v, basis);
+        for (int i = 0; i < 12; ++i) add_point(first + i, basis[i]);
+    } else if (osd_is_type(kTypes, type, kOsdGregoryBasis)) {
+        [[dont_unroll]] for (int k = 0; k < 4; ++k) {
+            Jet basis[5];
+            osd_gregory_corner(k, u, v, basis);
+            for (int i = 0; i < 5; ++i) add_point(first + 5 * k + i, basis[i]);
+        }
+    } else if (osd_is_type(kTypes, type, kOsdGregoryTriangle)) {
+        [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+            Jet basis[6];
+            osd_gregory_triangle_corner(k, u, v, basis);
+            for (int i = 0; i < 5; ++i) add_point(first + 5 * k + i, basis[i]);
+            add_point(first + 15 + k, basis[5]);
+        }
+    } else if (osd_is_type(kTypes, type, kOsdQuads) || osd_is_type(kTypes, type, kOsdTriangles)) {
+        Jet basis[20];
+        linear_basis(u, v, type == kOsdTriangles, basis);
+        for (int i = 0; i < (type == kOsdTriangles ? 3 : 4); ++i) add_point(first + i, basis[i]);
+    }
+}
+
+void sum_patch(uint array, uint patch_index, float s, float t) {
     const uint at = array * kOsdArrayWords;
     const uint in_array = patch_index - FETCH(arrays, at + 5);
     if (in_array >= FETCH(arrays, at + 2)) return;
     const uint param = FETCH(patch_params, patch_index * kOsdParamWords + 1);
     const uint type = osd_param_regular(param) ? FETCH(arrays, at) : FETCH(arrays, at + 1);
-    const uint first = FETCH(arrays, at + 3) + in_array * FETCH(arrays, at + 4);
-    Jet basis[20];
-    osd_patch_basis(kTypes, type, param, s, t, basis);
-    const uint count = osd_point_count(type);
-    for (uint k = 0; k < count; ++k) {
-        const vec4 point = source_point(FETCH(indices, first + k));
-        sums[0] += (kSecond != 0 ? basis[k].uu : basis[k].f) * point;
-        sums[1] += (kSecond != 0 ? basis[k].uv : basis[k].u) * point;
-        sums[2] += (kSecond != 0 ? basis[k].vv : basis[k].v) * point;
-    }
+    const OsdPlace place = osd_place(osd_is_triangle(type), param, s, t);
+    sum_points(type, osd_param_boundary(param), FETCH(arrays, at + 3) + in_array * FETCH(arrays, at + 4), place.u, place.v);
+    if (kSecond != 0) sums[0] *= place.second;
+    sums[1] *= kSecond != 0 ? place.second : place.first;
+    sums[2] *= kSecond != 0 ? place.second : place.first;
 }
 
 void main() {
@@ -65,10 +100,9 @@ void main() {
                    gl_LocalInvocationID.x;
     if (c >= params.coord_count) return;
     const uint at = params.coord_base + c * kOsdCoordWords, array = FETCH(coords, at);
-    vec4 sums[kOsdOutputCount] = vec4[kOsdOutputCount](vec4(0), vec4(0), vec4(0));
     if (array < params.array_count)
         sum_patch(array, FETCH(coords, at + 1), uintBitsToFloat(FETCH(coords, at + 3)),
-                  uintBitsToFloat(FETCH(coords, at + 4)), sums);
+                  uintBitsToFloat(FETCH(coords, at + 4)));
     for (uint i = 0; i < kWidth; ++i) {
         if ((kOutputs & 1) != 0) output0[params.output_base[0] + c * params.output_stride[0] + i] = sums[0][i];
         if ((kOutputs & 2) != 0) output1[params.output_base[1] + c * params.output_stride[1] + i] = sums[1][i];

@@ -18,6 +18,32 @@ namespace {
 namespace far = OpenSubdiv::Far;
 using EndCap = far::PatchTableFactory::Options::EndCapType;
 
+using shared::Jet;
+
+// The functions of a patch, one for each control vertex; derivatives by the coordinates of the ptex face.
+void patch_basis(uint32_t type, uint32_t param, double s, double t, Jet (&basis)[20]) {
+    const shared::OsdPlace place = shared::osd_place(shared::osd_is_triangle(type), param, s, t);
+    const double u = place.u, v = place.v;
+    const uint32_t boundary = shared::osd_param_boundary(param);
+    if (type == shared::kOsdRegular) shared::osd_bicubic_basis(boundary, u, v, basis);
+    if (type == shared::kOsdLoop) shared::osd_box_spline_basis(boundary, u, v, basis);
+    if (type == shared::kOsdQuads || type == shared::kOsdTriangles)
+        shared::linear_basis(u, v, type == shared::kOsdTriangles, basis);
+    for (int k = 0; k < 4 && type == shared::kOsdGregoryBasis; ++k) {
+        Jet corner[5];
+        shared::osd_gregory_corner(k, u, v, corner);
+        std::copy(corner, corner + 5, basis + 5 * k);
+    }
+    for (int k = 0; k < 3 && type == shared::kOsdGregoryTriangle; ++k) {
+        Jet corner[6];
+        shared::osd_gregory_triangle_corner(k, u, v, corner);
+        std::copy(corner, corner + 5, basis + 5 * k);
+        basis[15 + k] = corner[5];
+    }
+    for (Jet& j : basis)
+        j = {j.f, place.first * j.u, place.first * j.v, place.second * j.uu, place.second * j.uv, place.second * j.vv};
+}
+
 // The largest difference of a weight, derivatives over 2^depth and 4^depth; counts the patches of each type.
 double worst_difference(const far::PatchTable& table, bool triangles, std::map<int, size_t>& patches) {
     constexpr double kPlaces[][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0}, {0.25, 0.375}, {0.125, 0.75}};
@@ -39,8 +65,8 @@ double worst_difference(const far::PatchTable& table, bool triangles, std::map<i
                 else
                     param.Unnormalize(s, t);
                 table.EvaluateBasis(handle, s, t, theirs[0], theirs[1], theirs[2], theirs[3], theirs[4], theirs[5]);
-                shared::Jet ours[20];
-                shared::osd_patch_basis(~0u, static_cast<uint32_t>(type), param.field1, s, t, ours);
+                Jet ours[20] = {};
+                patch_basis(static_cast<uint32_t>(type), param.field1, s, t, ours);
                 const double d = std::exp2(param.GetDepth()), dd = d * d, units[6] = {1, d, d, dd, dd, dd};
                 for (int k = 0; k < 20; ++k) {
                     const double values[6] = {ours[k].f,  ours[k].u,  ours[k].v,

@@ -13,13 +13,6 @@ const uint kOsdRegular = 6;
 const uint kOsdGregoryBasis = 9;
 const uint kOsdGregoryTriangle = 10;
 
-LIMN_FN uint osd_point_count(uint type) {
-    if (type == kOsdGregoryBasis) return 20u;
-    if (type == kOsdGregoryTriangle) return 18u;
-    if (type == kOsdRegular) return 16u;
-    if (type == kOsdLoop) return 12u;
-    return type == kOsdQuads ? 4u : type == kOsdTriangles ? 3u : 0u;
-}
 LIMN_FN bool osd_is_type(uint types, uint type, uint wanted) {
     return (types >> wanted & 1u) != 0u && type == wanted;
 }
@@ -44,25 +37,42 @@ LIMN_FN uint osd_param_u(uint word) {
     return word >> 22;
 }
 
-// Adds `factor` times function `from` to function `to`.
-LIMN_FN void osd_fold(LIMN_INOUT_ARRAY(Jet, basis, 20), int from, int to, real factor) {
-    basis[to] = jet_add(basis[to], jet_scale(factor, basis[from]));
+// Cubic functions across a patch, whose points beyond a boundary are p = 2 q - r, with q on the boundary and r within.
+LIMN_FN void osd_fold_cubic(bool low, bool high, LIMN_INOUT_ARRAY(real, f, 4)) {
+    if (low) {
+        f[1] += real(2) * f[0];
+        f[2] -= f[0];
+        f[0] = real(0);
+    }
+    if (high) {
+        f[2] += real(2) * f[3];
+        f[1] -= f[3];
+        f[3] = real(0);
+    }
 }
 
-// Points beyond a boundary are p = 2 q - r with q on the boundary and r within, in every row across it.
-LIMN_FN void osd_fold_bicubic(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)) {
-    for (int edge = 0; edge < 4; ++edge) {
-        if ((boundary >> edge & 1u) == 0u) continue;
-        const int first = edge == 1 ? 3 : edge == 2 ? 12 : 0;
-        const int inwards = edge == 0 ? 4 : edge == 1 ? -1 : edge == 2 ? -4 : 1;
-        const int along = edge == 0 || edge == 2 ? 1 : 4;
-        for (int i = 0; i < 4; ++i) {
-            const int p = first + i * along;
-            osd_fold(basis, p, p + inwards, real(2));
-            osd_fold(basis, p, p + 2 * inwards, real(-1));
-            basis[p] = jet_scale(real(0), basis[p]);
-        }
-    }
+// Function i at t, for a patch that ends at a boundary where t is 0 (low) or 1 (high): values, first and second derivatives.
+LIMN_FN void osd_cubic_basis(real t, bool low, bool high, LIMN_OUT_ARRAY(real, f, 4), LIMN_OUT_ARRAY(real, d, 4),
+                             LIMN_OUT_ARRAY(real, dd, 4)) {
+    cubic_basis(t, f, d, dd);
+    osd_fold_cubic(low, high, f);
+    osd_fold_cubic(low, high, d);
+    osd_fold_cubic(low, high, dd);
+}
+
+// Boundary bits of quads are edges, from the one where v is 0 on.
+LIMN_FN void osd_bicubic_basis(uint boundary, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
+    real a[4], da[4], dda[4], b[4], db[4], ddb[4];
+    osd_cubic_basis(u, (boundary & 8u) != 0u, (boundary & 2u) != 0u, a, da, dda);
+    osd_cubic_basis(v, (boundary & 1u) != 0u, (boundary & 4u) != 0u, b, db, ddb);
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i)
+            basis[4 * j + i] =
+                make_jet(a[i] * b[j], da[i] * b[j], a[i] * db[j], dda[i] * b[j], da[i] * db[j], a[i] * ddb[j]);
+}
+
+LIMN_FN void osd_fold(LIMN_INOUT_ARRAY(Jet, basis, 20), int from, int to, real factor) {
+    basis[to] = jet_add(basis[to], jet_scale(factor, basis[from]));
 }
 
 // A point beyond a boundary is q + r - s of the triangles next to it, folded into these.
@@ -98,54 +108,49 @@ LIMN_FN void osd_fold_box_spline(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)
     }
 }
 
-LIMN_FN real osd_corner_distance(int k, real u, real v) {
-    return (k == 1 || k == 2 ? real(1) - u : u) + (k >= 2 ? real(1) - v : v);
-}
-
-// At a corner itself OpenSubdiv gives all of the blend to one of f+ and f- (quads: f-, triangles: f+), where gregory_basis
-// gives halves.
-LIMN_FN void osd_settle_corner(real distance, int all, int none, LIMN_INOUT_ARRAY(Jet, basis, 20)) {
+// At a corner itself OpenSubdiv gives all of the blend to one of f+ and f- (quads: f-, triangles: f+), where Gregory's
+// functions have halves.
+LIMN_FN void osd_gregory_corner(int k, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 5)) {
+    gregory_corner(k, u, v, false, basis);
+    const real distance = (k == 1 || k == 2 ? real(1) - u : u) + (k >= 2 ? real(1) - v : v);
     if (distance > real(0)) return;
-    basis[all] = jet_scale(real(2), basis[all]);
-    basis[none] = jet_scale(real(0), basis[none]);
+    basis[3] = jet_scale(real(0), basis[3]);
+    basis[4] = jet_scale(real(2), basis[4]);
+}
+LIMN_FN void osd_gregory_triangle_corner(int k, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 6)) {
+    gregory_triangle_corner(k, u, v, false, basis);
+    if ((k == 0 ? u + v : k == 1 ? real(1) - u : real(1) - v) > real(0)) return;
+    basis[3] = jet_scale(real(2), basis[3]);
+    basis[4] = jet_scale(real(0), basis[4]);
 }
 
-// The functions of a patch of `type` at (s, t) of its ptex face, with derivatives by OpenSubdiv's rule: times 2^depth and
-// 4^depth, also where the root is no quad; turned triangles have all derivatives negated, second ones too.
-// `types` has the bit 1 << type of every type that may occur: kernels have it as a constant, and leave out the others.
-LIMN_FN void osd_patch_basis(uint types, uint type, uint param, real s, real t, LIMN_OUT_ARRAY(Jet, basis, 20)) {
-    for (int k = 0; k < 20; ++k) basis[k] = make_jet(real(0), real(0), real(0), real(0), real(0), real(0));
+LIMN_FN void osd_box_spline_basis(uint boundary, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
+    box_spline_basis(u, v, basis);
+    osd_fold_box_spline(boundary, basis);
+}
+
+LIMN_FN bool osd_is_triangle(uint type) {
+    return type == kOsdTriangles || type == kOsdLoop || type == kOsdGregoryTriangle;
+}
+
+// Where (s, t) of the ptex face is in a patch, and what derivatives there are multiplied by to be those of the face, by
+// OpenSubdiv's rule: 2^depth and 4^depth, also where the root is no quad; turned triangles have all of them negated, second
+// ones, too.
+struct OsdPlace {
+    real u, v;
+    real first, second;
+};
+LIMN_FN OsdPlace osd_place(bool triangle, uint param, real s, real t) {
     const uint depth = osd_param_depth(param);
-    const bool triangle = type == kOsdTriangles || type == kOsdLoop || type == kOsdGregoryTriangle;
     const bool turned = triangle && osd_param_u(param) + osd_param_v(param) >= 1u << depth;
     const real cells = real(1u << (depth - osd_param_non_quad(param)));
-    const real u0 = real(osd_param_u(param)), v0 = real(osd_param_v(param));
-    const real u = turned ? cells - u0 - s * cells : s * cells - u0;
-    const real v = turned ? cells - v0 - t * cells : t * cells - v0;
-    if (osd_is_type(types, type, kOsdRegular)) {
-        bicubic_basis(u, v, basis);
-        osd_fold_bicubic(osd_param_boundary(param), basis);
-    } else if (osd_is_type(types, type, kOsdLoop)) {
-        box_spline_basis(u, v, basis);
-        osd_fold_box_spline(osd_param_boundary(param), basis);
-    } else if (osd_is_type(types, type, kOsdGregoryBasis)) {
-        gregory_basis(u, v, false, basis);
-        for (int k = 0; k < 4; ++k)
-            osd_settle_corner(osd_corner_distance(k, u, v), 5 * k + 4, 5 * k + 3, basis);
-    } else if (osd_is_type(types, type, kOsdGregoryTriangle)) {
-        Jet gregory[18];
-        gregory_triangle_basis(u, v, false, gregory);
-        for (int k = 0; k < 18; ++k) basis[k] = gregory[k];
-        for (int k = 0; k < 3; ++k)
-            osd_settle_corner(k == 0 ? u + v : k == 1 ? real(1) - u : real(1) - v, 5 * k + 3, 5 * k + 4, basis);
-    } else if (osd_is_type(types, type, kOsdQuads) || osd_is_type(types, type, kOsdTriangles)) {
-        linear_basis(u, v, triangle, basis);
-    }
-    const real sign = real(turned ? -1 : 1), d = sign * real(1u << depth), dd = sign * d * d;
-    for (int k = 0; k < 20; ++k) {
-        const Jet j = basis[k];
-        basis[k] = make_jet(j.f, d * j.u, d * j.v, dd * j.uu, dd * j.uv, dd * j.vv);
-    }
+    const real u0 = real(osd_param_u(param)), v0 = real(osd_param_v(param)), sign = real(turned ? -1 : 1);
+    OsdPlace place;
+    place.u = turned ? cells - u0 - s * cells : s * cells - u0;
+    place.v = turned ? cells - v0 - t * cells : t * cells - v0;
+    place.first = sign * real(1u << depth);
+    place.second = sign * place.first * place.first;
+    return place;
 }
 
 LIMN_SHARED_END
