@@ -52,16 +52,17 @@ void add_point(uint index, Jet weight) {
     sums[2] += (kSecond != 0 ? weight.vv : weight.v) * point;
 }
 
-// Loops over corners stay loops: unrolled, the functions of a whole patch are more than registers hold.
+// Loops over points stay loops: unrolled, the kernel is large, and the functions of a Gregory patch are more than registers
+// hold.
 void sum_points(uint type, uint boundary, uint first, float u, float v) {
     if (osd_is_type(kTypes, type, kOsdRegular)) {
-        Jet basis[20];
-        osd_bicubic_basis(boundary, u, v, basis);
-        for (int i = 0; i < 16; ++i) add_point(first + i, basis[i]);
+        const OsdBicubic basis = osd_bicubic(boundary, u, v);
+        [[dont_unroll]] for (int j = 0; j < 4; ++j)
+            for (int i = 0; i < 4; ++i) add_point(first + 4 * j + i, osd_bicubic_jet(basis, i, j));
     } else if (osd_is_type(kTypes, type, kOsdLoop)) {
         Jet basis[20];
         osd_box_spline_basis(boundary, u, v, basis);
-        for (int i = 0; i < 12; ++i) add_point(first + i, basis[i]);
+        [[dont_unroll]] for (int i = 0; i < 12; ++i) add_point(first + i, basis[i]);
     } else if (osd_is_type(kTypes, type, kOsdGregoryBasis)) {
         [[dont_unroll]] for (int k = 0; k < 4; ++k) {
             Jet basis[5];
@@ -78,7 +79,7 @@ void sum_points(uint type, uint boundary, uint first, float u, float v) {
     } else if (osd_is_type(kTypes, type, kOsdQuads) || osd_is_type(kTypes, type, kOsdTriangles)) {
         Jet basis[20];
         linear_basis(u, v, type == kOsdTriangles, basis);
-        for (int i = 0; i < (type == kOsdTriangles ? 3 : 4); ++i) add_point(first + i, basis[i]);
+        [[dont_unroll]] for (int i = 0; i < (type == kOsdTriangles ? 3 : 4); ++i) add_point(first + i, basis[i]);
     }
 }
 

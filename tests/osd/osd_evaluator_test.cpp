@@ -64,10 +64,11 @@ StencilTablePointer make_stencils(const Tables& tables, Kind kind, int channel) 
     const Far::TopologyRefiner& refiner = *tables.refiner;
     const Far::StencilTable* all = nullptr;
     if (kind == Kind::vertex && tables.patches->GetLocalPointStencilTable())
-        all = Stencils::AppendLocalPointStencilTable(refiner, out.get(), tables.patches->GetLocalPointStencilTable());
+        all = Stencils::AppendLocalPointStencilTable(refiner, out.get(),
+                                                     tables.patches->GetLocalPointStencilTable());
     if (kind == Kind::varying && tables.patches->GetLocalPointVaryingStencilTable())
-        all = Stencils::AppendLocalPointStencilTableVarying(refiner, out.get(),
-                                                            tables.patches->GetLocalPointVaryingStencilTable());
+        all = Stencils::AppendLocalPointStencilTableVarying(
+            refiner, out.get(), tables.patches->GetLocalPointVaryingStencilTable());
     if (kind == Kind::face_varying && tables.patches->GetLocalPointFaceVaryingStencilTable(channel))
         all = Stencils::AppendLocalPointStencilTableFaceVarying(
             refiner, out.get(), tables.patches->GetLocalPointFaceVaryingStencilTable(channel), channel);
@@ -113,10 +114,10 @@ std::vector<float> spread(const std::vector<float>& values, size_t width, const 
     return out;
 }
 
-/// Value by value: positions within `tolerance`, derivatives within that times 2^depth, ten times 4^depth for second ones;
-/// what lies between records is the same to the bit.
-testing::AssertionResult same_records(const std::vector<float>& theirs, const std::vector<float>& ours, size_t length,
-                                      const std::vector<int>& depths, double tolerance) {
+/// Value by value: positions within `tolerance`, derivatives within that times 2^depth, ten times 4^depth for
+/// second ones; what lies between records is the same to the bit.
+testing::AssertionResult same_records(const std::vector<float>& theirs, const std::vector<float>& ours,
+                                      size_t length, const std::vector<int>& depths, double tolerance) {
     const size_t record = 6 * length + 2;
     if (theirs.empty() || theirs.size() != ours.size() || theirs.size() != depths.size() * record)
         return testing::AssertionFailure() << theirs.size() << " values against " << ours.size();
@@ -124,12 +125,15 @@ testing::AssertionResult same_records(const std::vector<float>& theirs, const st
         const size_t at = i % record, value = (at - 1) / length;
         const double depth = depths[i / record];
         double allowed = tolerance;
-        if (at == 0 || at == record - 1) allowed = 0;
-        else if (value > 0) allowed *= value > 2 ? 10 * std::exp2(2 * depth) : std::exp2(depth);
+        if (at == 0 || at == record - 1)
+            allowed = 0;
+        else if (value > 0)
+            allowed *= value > 2 ? 10 * std::exp2(2 * depth) : std::exp2(depth);
         const double difference = std::abs(double{theirs[i]} - double{ours[i]});
         if (!(difference <= allowed))
-            return testing::AssertionFailure() << "coordinate " << i / record << ", float " << at << ", depth " << depth
-                                               << ": " << ours[i] << " in place of " << theirs[i];
+            return testing::AssertionFailure()
+                   << "coordinate " << i / record << ", float " << at << ", depth " << depth << ": "
+                   << ours[i] << " in place of " << theirs[i];
     }
     return testing::AssertionSuccess();
 }
@@ -150,8 +154,8 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
         context_.reset(VkDeviceContext::Create(device()));
     }
 
-    testing::AssertionResult agrees(const Tables& tables, Primvar primvar, const std::vector<float>& values, size_t width,
-                                    bool triangles, int most_patches = 60) {
+    testing::AssertionResult agrees(const Tables& tables, Primvar primvar, const std::vector<float>& values,
+                                    size_t width, bool triangles, int most_patches = 60) {
         const StencilTablePointer stencils = make_stencils(tables, primvar.kind, primvar.channel);
         primvar.stencils = stencils.get();
         primvar.control = spread(values, width, primvar);
@@ -162,6 +166,10 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
         for (int a = 0; a < tables.patches->GetNumPatchArrays(); ++a)
             types_.insert(tables.patches->GetPatchArrayDescriptor(a).GetType());
         const Results theirs = run<CpuTypes>(primvar, *tables.patches, coords, nullptr);
+        if (!refine_on_device_) {
+            primvar.control = theirs.points;
+            primvar.stencils = nullptr;
+        }
         const Results ours = run<VkTypes>(primvar, *tables.patches, coords, context_.get());
         if (!theirs.ok || !ours.ok) return testing::AssertionFailure() << context_->GetError().message;
         const double tolerance = vk::test::tolerance_of(theirs.points, static_cast<size_t>(primvar.stride));
@@ -169,15 +177,18 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
             if (!(std::abs(theirs.points[i] - ours.points[i]) <= tolerance))
                 return testing::AssertionFailure() << "float " << i << " of the points: " << ours.points[i]
                                                    << " in place of " << theirs.points[i];
-        return same_records(theirs.records, ours.records, static_cast<size_t>(primvar.length), depths, tolerance);
+        return same_records(theirs.records, ours.records, static_cast<size_t>(primvar.length), depths,
+                            tolerance);
     }
 
     std::unique_ptr<VkDeviceContext> context_;
+    bool refine_on_device_ = true;
     size_t coordinate_count_ = 0;
     std::set<int> types_;
 };
 
 TEST_F(OsdEvaluatorTest, every_shape_is_evaluated_as_by_opensubdiv) {
+    refine_on_device_ = false;  // for that there are tests of stencils; here are patches
     int n = 0;
     for (const TestMesh& mesh : limn::test::all_shapes()) {
         const bool triangles = mesh.options.scheme == Scheme::loop;
@@ -187,11 +198,14 @@ TEST_F(OsdEvaluatorTest, every_shape_is_evaluated_as_by_opensubdiv) {
         ++n;
         for (const int wanted : {cap, static_cast<int>(Options::ENDCAP_GREGORY_BASIS)}) {
             const bool uniform = wanted == kUniform || mesh.options.scheme == Scheme::bilinear;
-            const Tables tables = make_tables(mesh, uniform ? kUniform : wanted, uniform ? 1 + level % 2 : level);
+            const Tables tables =
+                make_tables(mesh, uniform ? kUniform : wanted, uniform ? 1 + level % 2 : level);
             ASSERT_NE(tables.patches, nullptr) << mesh.name;
             EXPECT_TRUE(agrees(tables, {}, mesh.positions, 3, triangles)) << mesh.name << ", cap " << wanted;
             if (wanted == cap) continue;
-            EXPECT_TRUE(agrees(tables, {Kind::varying, 0, 3, 4, 1}, mesh.positions, 3, triangles, 20)) << mesh.name;
+            // Uniform tables have no varying patches, which OpenSubdiv's evaluators do not check for.
+            const Primvar varying = {Kind::varying, 0, 3, 4, 1};
+            EXPECT_TRUE(uniform || agrees(tables, varying, mesh.positions, 3, triangles, 20)) << mesh.name;
             for (int channel = 0; channel < static_cast<int>(mesh.channels.size()); ++channel)
                 EXPECT_TRUE(agrees(tables, {Kind::face_varying, channel, 2, 2, 0},
                                    mesh.channels[static_cast<size_t>(channel)].values, 2, triangles))
@@ -205,8 +219,11 @@ TEST_F(OsdEvaluatorTest, every_shape_is_evaluated_as_by_opensubdiv) {
 TEST_F(OsdEvaluatorTest, primvars_have_any_length_offset_and_stride) {
     const TestMesh mesh = limn::test::make_cube();
     const Tables tables = make_tables(mesh, Options::ENDCAP_GREGORY_BASIS, 2);
-    for (const int length : {1, 2, 3, 4, 5, 8, 11, 64})
-        EXPECT_TRUE(agrees(tables, {Kind::vertex, 0, length, length + 3, 2}, mesh.positions, 3, false)) << length;
+    for (const int length : {1, 2, 3, 4, 5, 8, 11, 64}) {
+        refine_on_device_ = length == 5;
+        EXPECT_TRUE(agrees(tables, {Kind::vertex, 0, length, length + 3, 2}, mesh.positions, 3, false))
+            << length;
+    }
 }
 
 TEST_F(OsdEvaluatorTest, storage_buffers_give_the_same) {
@@ -249,8 +266,8 @@ TEST_F(OsdEvaluatorTest, limit_stencils_have_second_derivatives) {
         const Results ours = run_limits<VkTypes>(*stencils, mesh.positions, context_.get());
         ASSERT_TRUE(ours.ok) << context_->GetError().message;
         const std::vector<int> depths(static_cast<size_t>(stencils->GetNumStencils()), 3);
-        EXPECT_TRUE(same_records(theirs.records, ours.records, 3, depths,
-                                 vk::test::tolerance_of(mesh.positions, 3)))
+        EXPECT_TRUE(
+            same_records(theirs.records, ours.records, 3, depths, vk::test::tolerance_of(mesh.positions, 3)))
             << mesh.name;
     }
 }
@@ -286,8 +303,10 @@ TEST_F(OsdEvaluatorTest, tables_are_fars_bit_for_bit) {
         const DevicePatches& vertex = upload->table.vertex;
         const vk::Buffer* staging = upload->staging.data();
         EXPECT_TRUE(holds(vertex.array_words, staging, host.GetPatchArrayBuffer(), host.GetNumPatchArrays()));
-        EXPECT_TRUE(holds(vertex.indices, staging + gpu, host.GetPatchIndexBuffer(), host.GetPatchIndexSize()));
-        EXPECT_TRUE(holds(vertex.params, staging + 2 * gpu, host.GetPatchParamBuffer(), host.GetPatchParamSize()));
+        EXPECT_TRUE(
+            holds(vertex.indices, staging + gpu, host.GetPatchIndexBuffer(), host.GetPatchIndexSize()));
+        EXPECT_TRUE(
+            holds(vertex.params, staging + 2 * gpu, host.GetPatchParamBuffer(), host.GetPatchParamSize()));
         ASSERT_TRUE(commands->submit_and_wait());
 
         const StencilTablePointer far_stencils = make_stencils(tables, Kind::vertex, 0);
@@ -316,7 +335,8 @@ TEST_F(OsdEvaluatorTest, recording_gives_the_same_bits_as_submitting) {
     auto commands = vk::Commands::begin(device());
     ASSERT_TRUE(commands);
     context_->SetCommandBuffer(*commands);
-    const std::unique_ptr<VkStencilTable> stencils(VkStencilTable::Create(far_stencils.get(), context_.get()));
+    const std::unique_ptr<VkStencilTable> stencils(
+        VkStencilTable::Create(far_stencils.get(), context_.get()));
     const std::unique_ptr<VkPatchTable> patches(VkPatchTable::Create(tables.patches.get(), context_.get()));
     const std::unique_ptr<VkVertexBuffer> points(VkVertexBuffer::Create(3, total, context_.get()));
     const std::unique_ptr<VkVertexBuffer> places(VkVertexBuffer::Create(5, count, context_.get()));
@@ -327,8 +347,10 @@ TEST_F(OsdEvaluatorTest, recording_gives_the_same_bits_as_submitting) {
     const BufferDescriptor src(0, 3, 3), dst(3 * control, 3, 3);
     const std::unique_ptr<VkEvaluator> evaluator(VkEvaluator::Create(src, dst, {}, {}, context_.get()));
     ASSERT_NE(evaluator, nullptr);
-    EXPECT_TRUE(VkEvaluator::EvalStencils(points.get(), src, points.get(), dst, stencils.get(), evaluator.get()));
-    EXPECT_TRUE(VkEvaluator::EvalPatches(points.get(), src, values.get(), src, count, places.get(), patches.get()));
+    EXPECT_TRUE(
+        VkEvaluator::EvalStencils(points.get(), src, points.get(), dst, stencils.get(), evaluator.get()));
+    EXPECT_TRUE(
+        VkEvaluator::EvalPatches(points.get(), src, values.get(), src, count, places.get(), patches.get()));
     ASSERT_TRUE(commands->submit_and_wait());
     const std::vector<float> recorded = VkTypes::read(*values);
     for (size_t c = 0; c < coords.size(); ++c)
@@ -349,8 +371,8 @@ TEST_F(OsdEvaluatorTest, osd_mesh_takes_these_types) {
     mesh.Synchronize();
     const std::vector<float> ours = VkTypes::read(*mesh.GetVertexBuffer());
     StencilTablePointer stencils(Stencils::Create(*mesh.GetTopologyRefiner()));
-    stencils.reset(Stencils::AppendLocalPointStencilTable(*mesh.GetTopologyRefiner(), stencils.get(),
-                                                          mesh.GetFarPatchTable()->GetLocalPointStencilTable()));
+    stencils.reset(Stencils::AppendLocalPointStencilTable(
+        *mesh.GetTopologyRefiner(), stencils.get(), mesh.GetFarPatchTable()->GetLocalPointStencilTable()));
     std::vector<float> theirs = shape.positions;
     theirs.resize(3 * static_cast<size_t>(mesh.GetNumVertices()));
     const BufferDescriptor src(0, 3, 3), dst(3 * count, 3, 3);
@@ -364,7 +386,8 @@ TEST_F(OsdEvaluatorTest, osd_mesh_takes_these_types) {
 TEST_F(OsdEvaluatorTest, mistakes_are_refused_with_a_reason) {
     const Tables tables = make_tables(limn::test::make_cube(), Options::ENDCAP_GREGORY_BASIS, 1);
     const StencilTablePointer far_stencils = make_stencils(tables, Kind::vertex, 0);
-    const std::unique_ptr<VkStencilTable> stencils(VkStencilTable::Create(far_stencils.get(), context_.get()));
+    const std::unique_ptr<VkStencilTable> stencils(
+        VkStencilTable::Create(far_stencils.get(), context_.get()));
     const std::unique_ptr<VkPatchTable> patches(VkPatchTable::Create(tables.patches.get(), context_.get()));
     const std::unique_ptr<VkVertexBuffer> points(VkVertexBuffer::Create(3, 1000, context_.get()));
     const auto fails = [&](bool ok) { return !ok && !context_->GetError().message.empty(); };

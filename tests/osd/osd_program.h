@@ -1,5 +1,5 @@
-// A program as OpenSubdiv's users write them: templated on buffer, table and evaluator types, and compiled twice, with
-// OpenSubdiv's CPU types and with limn::osd's.
+// A program as OpenSubdiv's users write them: templated on buffer, table and evaluator types, and compiled
+// twice, with OpenSubdiv's CPU types and with limn::osd's.
 #pragma once
 
 #include <opensubdiv/osd/cpuEvaluator.h>
@@ -58,14 +58,15 @@ struct Primvar {
     Kind kind = Kind::vertex;
     int channel = 0;
     int length = 3, stride = 3, offset = 0;
-    const Far::StencilTable* stencils = nullptr;
-    std::vector<float> control;  ///< stencils->GetNumControlVertices() points of `stride` floats
+    const Far::StencilTable* stencils = nullptr;  ///< null, or of no rows: all points are there
+    std::vector<float> control;                   ///< points of `stride` floats
 };
 
 struct Results {
     bool ok = false;
-    std::vector<float> points;   ///< control points, refined points, local points: of `stride` floats
-    std::vector<float> records;  ///< per coordinate: value, du, dv, duu, duv, dvv, `length` floats each, and two more
+    std::vector<float> points;  ///< control points, refined points, local points: of `stride` floats
+    std::vector<float>
+        records;  ///< per coordinate: value, du, dv, duu, duv, dvv, `length` floats each, and two more
 };
 
 inline const std::vector<float>& marked(std::vector<float>& values) {
@@ -75,20 +76,21 @@ inline const std::vector<float>& marked(std::vector<float>& values) {
 
 /// Refines control points into the same buffer, and evaluates patches at the coordinates.
 template <class Types>
-Results run(const Primvar& primvar, const Far::PatchTable& far_patches, const std::vector<Osd::PatchCoord>& coords,
-            typename Types::DeviceContext* context) {
+Results run(const Primvar& primvar, const Far::PatchTable& far_patches,
+            const std::vector<Osd::PatchCoord>& coords, typename Types::DeviceContext* context) {
     using Buffer = typename Types::VertexBuffer;
     using Evaluator = typename Types::Evaluator;
-    const int control_count = primvar.stencils->GetNumControlVertices();
-    const int point_count = control_count + primvar.stencils->GetNumStencils();
+    const int control_count = static_cast<int>(primvar.control.size()) / primvar.stride;
+    const int refined_count = primvar.stencils != nullptr ? primvar.stencils->GetNumStencils() : 0;
+    const int point_count = control_count + refined_count;
     const int coord_count = static_cast<int>(coords.size()), record = 6 * primvar.length + 2;
-    const std::unique_ptr<typename Types::StencilTable> stencils(Types::convert(*primvar.stencils, context));
-    const std::unique_ptr<typename Types::PatchTable> patches(Types::PatchTable::Create(&far_patches, context));
+    const std::unique_ptr<typename Types::PatchTable> patches(
+        Types::PatchTable::Create(&far_patches, context));
     const std::unique_ptr<Buffer> points(Buffer::Create(primvar.stride, point_count, context));
     const std::unique_ptr<Buffer> records(Buffer::Create(record, coord_count, context));
     const std::unique_ptr<Buffer> places(Buffer::Create(5, coord_count, context));
     Results results;
-    if (!stencils || !patches || !points || !records || !places) return results;
+    if (!patches || !points || !records || !places) return results;
 
     std::vector<float> blank(static_cast<size_t>(primvar.stride * point_count));
     points->UpdateData(marked(blank).data(), 0, point_count, context);
@@ -100,18 +102,26 @@ Results run(const Primvar& primvar, const Far::PatchTable& far_patches, const st
     const Osd::BufferDescriptor src(primvar.offset, primvar.length, primvar.stride);
     Osd::BufferDescriptor dst = src;
     dst.offset += control_count * primvar.stride;
-    results.ok = Evaluator::EvalStencils(points.get(), src, points.get(), dst, stencils.get(), nullptr, context);
+    results.ok = true;
+    if (refined_count != 0) {
+        const std::unique_ptr<typename Types::StencilTable> stencils(
+            Types::convert(*primvar.stencils, context));
+        results.ok = stencils && Evaluator::EvalStencils(points.get(), src, points.get(), dst, stencils.get(),
+                                                         nullptr, context);
+    }
 
     Osd::BufferDescriptor out[6];
-    for (int d = 0; d < 6; ++d) out[d] = Osd::BufferDescriptor(1 + d * primvar.length, primvar.length, record);
+    for (int d = 0; d < 6; ++d)
+        out[d] = Osd::BufferDescriptor(1 + d * primvar.length, primvar.length, record);
     Buffer *from = points.get(), *to = records.get();
     if (primvar.kind == Kind::vertex)
-        results.ok &= Evaluator::EvalPatches(from, src, to, out[0], to, out[1], to, out[2], to, out[3], to, out[4], to,
-                                             out[5], coord_count, places.get(), patches.get(), nullptr, context);
-    else if (primvar.kind == Kind::varying)
         results.ok &=
-            Evaluator::EvalPatchesVarying(from, src, to, out[0], to, out[1], to, out[2], to, out[3], to, out[4], to,
-                                          out[5], coord_count, places.get(), patches.get(), nullptr, context);
+            Evaluator::EvalPatches(from, src, to, out[0], to, out[1], to, out[2], to, out[3], to, out[4], to,
+                                   out[5], coord_count, places.get(), patches.get(), nullptr, context);
+    else if (primvar.kind == Kind::varying)
+        results.ok &= Evaluator::EvalPatchesVarying(from, src, to, out[0], to, out[1], to, out[2], to, out[3],
+                                                    to, out[4], to, out[5], coord_count, places.get(),
+                                                    patches.get(), nullptr, context);
     else
         results.ok &= Evaluator::EvalPatchesFaceVarying(
             from, src, to, out[0], to, out[1], to, out[2], to, out[3], to, out[4], to, out[5], coord_count,
@@ -139,9 +149,9 @@ Results run_limits(const Far::LimitStencilTable& far_stencils, const std::vector
     Osd::BufferDescriptor out[6];
     for (int d = 0; d < 6; ++d) out[d] = Osd::BufferDescriptor(1 + 3 * d, 3, 20);
     Buffer* to = records.get();
-    results.ok = Types::Evaluator::EvalStencils(points.get(), Osd::BufferDescriptor(0, 3, 3), to, out[0], to, out[1], to,
-                                                out[2], to, out[3], to, out[4], to, out[5], stencils.get(), nullptr,
-                                                context);
+    results.ok = Types::Evaluator::EvalStencils(points.get(), Osd::BufferDescriptor(0, 3, 3), to, out[0], to,
+                                                out[1], to, out[2], to, out[3], to, out[4], to, out[5],
+                                                stencils.get(), nullptr, context);
     Types::Evaluator::Synchronize(context);
     results.records = Types::read(*records);
     return results;

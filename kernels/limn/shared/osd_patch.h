@@ -1,5 +1,5 @@
-// OpenSubdiv's patches as its evaluators evaluate them: a patch type, the two words of a PatchParam, and coordinates of
-// the ptex face give the weight of each control vertex, for the value and its derivatives.
+// OpenSubdiv's patches as its evaluators evaluate them: a patch type, the two words of a PatchParam, and
+// coordinates of the ptex face give the weight of each control vertex, for the value and its derivatives.
 #ifndef LIMN_SHARED_OSD_PATCH_H
 #define LIMN_SHARED_OSD_PATCH_H
 #include "limn/shared/patch_basis.h"
@@ -37,7 +37,8 @@ LIMN_FN uint osd_param_u(uint word) {
     return word >> 22;
 }
 
-// Cubic functions across a patch, whose points beyond a boundary are p = 2 q - r, with q on the boundary and r within.
+// Cubic functions across a patch, whose points beyond a boundary are p = 2 q - r, with q on the boundary and
+// r within.
 LIMN_FN void osd_fold_cubic(bool low, bool high, LIMN_INOUT_ARRAY(real, f, 4)) {
     if (low) {
         f[1] += real(2) * f[0];
@@ -51,24 +52,30 @@ LIMN_FN void osd_fold_cubic(bool low, bool high, LIMN_INOUT_ARRAY(real, f, 4)) {
     }
 }
 
-// Function i at t, for a patch that ends at a boundary where t is 0 (low) or 1 (high): values, first and second derivatives.
-LIMN_FN void osd_cubic_basis(real t, bool low, bool high, LIMN_OUT_ARRAY(real, f, 4), LIMN_OUT_ARRAY(real, d, 4),
-                             LIMN_OUT_ARRAY(real, dd, 4)) {
+// Function i at t, for a patch that ends at a boundary where t is 0 (low) or 1 (high): values, first and
+// second derivatives.
+LIMN_FN void osd_cubic_basis(real t, bool low, bool high, LIMN_OUT_ARRAY(real, f, 4),
+                             LIMN_OUT_ARRAY(real, d, 4), LIMN_OUT_ARRAY(real, dd, 4)) {
     cubic_basis(t, f, d, dd);
     osd_fold_cubic(low, high, f);
     osd_fold_cubic(low, high, d);
     osd_fold_cubic(low, high, dd);
 }
 
-// Boundary bits of quads are edges, from the one where v is 0 on.
-LIMN_FN void osd_bicubic_basis(uint boundary, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 20)) {
-    real a[4], da[4], dda[4], b[4], db[4], ddb[4];
-    osd_cubic_basis(u, (boundary & 8u) != 0u, (boundary & 2u) != 0u, a, da, dda);
-    osd_cubic_basis(v, (boundary & 1u) != 0u, (boundary & 4u) != 0u, b, db, ddb);
-    for (int j = 0; j < 4; ++j)
-        for (int i = 0; i < 4; ++i)
-            basis[4 * j + i] =
-                make_jet(a[i] * b[j], da[i] * b[j], a[i] * db[j], dda[i] * b[j], da[i] * db[j], a[i] * ddb[j]);
+// The functions of a bicubic patch, point 4 j + i from u[i] and v[j]. Boundary bits are edges, from the one
+// where v is 0 on.
+struct OsdBicubic {
+    real u[4], du[4], duu[4], v[4], dv[4], dvv[4];
+};
+LIMN_FN OsdBicubic osd_bicubic(uint boundary, real u, real v) {
+    OsdBicubic b;
+    osd_cubic_basis(u, (boundary & 8u) != 0u, (boundary & 2u) != 0u, b.u, b.du, b.duu);
+    osd_cubic_basis(v, (boundary & 1u) != 0u, (boundary & 4u) != 0u, b.v, b.dv, b.dvv);
+    return b;
+}
+LIMN_FN Jet osd_bicubic_jet(OsdBicubic b, int i, int j) {
+    return make_jet(b.u[i] * b.v[j], b.du[i] * b.v[j], b.u[i] * b.dv[j], b.duu[i] * b.v[j], b.du[i] * b.dv[j],
+                    b.u[i] * b.dvv[j]);
 }
 
 LIMN_FN void osd_fold(LIMN_INOUT_ARRAY(Jet, basis, 20), int from, int to, real factor) {
@@ -83,11 +90,12 @@ LIMN_FN void osd_fold_point(LIMN_INOUT_ARRAY(Jet, basis, 20), int p, int q, int 
     basis[p] = jet_scale(real(0), basis[p]);
 }
 
-// The lower three bits of the mask are edges (the upper two bits are 0), vertices (1), or edges each with the vertex
-// opposite to it (2).
+// The lower three bits of the mask are edges (the upper two bits are 0), vertices (1), or edges each with the
+// vertex opposite to it (2).
 LIMN_FN void osd_fold_box_spline(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)) {
     // As in box_spline_basis.
-    const int own[3] = {4, 5, 8}, across[3] = {1, 9, 7}, beyond_next[3] = {0, 6, 10}, beyond_previous[3] = {3, 2, 11};
+    const int own[3] = {4, 5, 8}, across[3] = {1, 9, 7}, beyond_next[3] = {0, 6, 10},
+              beyond_previous[3] = {3, 2, 11};
     const uint bits = boundary & 7u, kind = boundary >> 3;
     const uint edges = kind == 1u ? 0u : bits;
     const uint vertices = kind == 1u ? bits : kind == 2u ? (bits & 1u) << 2 | bits >> 1 : 0u;
@@ -96,7 +104,8 @@ LIMN_FN void osd_fold_box_spline(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)
         const int a = own[k], b = own[next], c = own[last];
         if ((edges >> k & 1u) != 0u) {
             const bool last_too = (edges >> last & 1u) != 0u, next_too = (edges >> next & 1u) != 0u;
-            osd_fold_point(basis, beyond_next[k], a, last_too ? a : beyond_previous[k], last_too ? c : across[last]);
+            osd_fold_point(basis, beyond_next[k], a, last_too ? a : beyond_previous[k],
+                           last_too ? c : across[last]);
             osd_fold_point(basis, across[k], a, b, c);
             osd_fold_point(basis, beyond_previous[next], b, next_too ? b : beyond_next[next],
                            next_too ? c : across[next]);
@@ -108,8 +117,8 @@ LIMN_FN void osd_fold_box_spline(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)
     }
 }
 
-// At a corner itself OpenSubdiv gives all of the blend to one of f+ and f- (quads: f-, triangles: f+), where Gregory's
-// functions have halves.
+// At a corner itself OpenSubdiv gives all of the blend to one of f+ and f- (quads: f-, triangles: f+), where
+// Gregory's functions have halves.
 LIMN_FN void osd_gregory_corner(int k, real u, real v, LIMN_OUT_ARRAY(Jet, basis, 5)) {
     gregory_corner(k, u, v, false, basis);
     const real distance = (k == 1 || k == 2 ? real(1) - u : u) + (k >= 2 ? real(1) - v : v);
@@ -133,9 +142,9 @@ LIMN_FN bool osd_is_triangle(uint type) {
     return type == kOsdTriangles || type == kOsdLoop || type == kOsdGregoryTriangle;
 }
 
-// Where (s, t) of the ptex face is in a patch, and what derivatives there are multiplied by to be those of the face, by
-// OpenSubdiv's rule: 2^depth and 4^depth, also where the root is no quad; turned triangles have all of them negated, second
-// ones, too.
+// Where (s, t) of the ptex face is in a patch, and what derivatives there are multiplied by to be those of
+// the face, by OpenSubdiv's rule: 2^depth and 4^depth, also where the root is no quad; turned triangles have
+// all of them negated, second ones, too.
 struct OsdPlace {
     real u, v;
     real first, second;

@@ -1,8 +1,8 @@
 // What the host and the osd_patch_eval kernel agree on: tables as OpenSubdiv lays them out, as words.
-//   arrays   Osd::PatchArray, 6 words: types of regular and of other patches, patch_count, first_index, stride, first_patch
-//   indices  control vertex k of patch p is word first_index + stride * (p - first_patch) + k
-//   params   Osd::PatchParam, 3 words
-//   coords   Osd::PatchCoord, 5 words: array, patch, unused, and as floats s and t in the ptex face
+//   arrays   Osd::PatchArray, 6 words: types of regular and of other patches, patch_count, first_index,
+//   stride, first_patch indices  control vertex k of patch p is word first_index + stride * (p - first_patch)
+//   + k params   Osd::PatchParam, 3 words coords   Osd::PatchCoord, 5 words: array, patch, unused, and as
+//   floats s and t in the ptex face
 #ifndef LIMN_SHARED_OSD_PATCH_EVAL_PARAMS_H
 #define LIMN_SHARED_OSD_PATCH_EVAL_PARAMS_H
 #include "limn/shared/interop.h"

@@ -7,10 +7,11 @@ namespace {
 
 constexpr size_t kMostEvaluations = 256;
 
-constexpr VkPipelineStageFlags kOurStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+constexpr VkPipelineStageFlags kOurStages =
+    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
 constexpr VkAccessFlags kOurWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-constexpr vk::StageAccess kOurs = {
-    kOurStages, kOurWrites | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
+constexpr vk::StageAccess kOurs = {kOurStages,
+                                   kOurWrites | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
 constexpr vk::StageAccess kOurResults = {kOurStages, kOurWrites};
 constexpr vk::StageAccess kOthers = {VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
                                      VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
@@ -83,7 +84,8 @@ struct VkDeviceContext::Submission {
     /// Whether the device is done with it, waiting for that up to `nanoseconds`. What it held is then let go.
     VkResult wait(uint64_t nanoseconds) {
         if (!pending) return VK_SUCCESS;
-        const VkResult result = device->functions.WaitForFences(device->handle, 1, &fence, VK_TRUE, nanoseconds);
+        const VkResult result =
+            device->functions.WaitForFences(device->handle, 1, &fence, VK_TRUE, nanoseconds);
         if (result != VK_SUCCESS) return result;
         pending = false;
         held.clear();
@@ -136,8 +138,9 @@ bool VkDeviceContext::Fail(Error error) {
 
 Result<VkDeviceContext::Submission*> VkDeviceContext::begin_submission() {
     if (device_.queue == VK_NULL_HANDLE)
-        return Error{ErrorCode::invalid_argument,
-                     "the device was borrowed without a queue, and there is no command buffer to record into"};
+        return Error{
+            ErrorCode::invalid_argument,
+            "the device was borrowed without a queue, and there is no command buffer to record into"};
     Submission* idle = nullptr;
     for (const auto& submission : submissions_)
         if (submission->wait(0) == VK_SUCCESS) idle = submission.get();

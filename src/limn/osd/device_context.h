@@ -10,19 +10,20 @@
 
 namespace limn::osd {
 
-/// A device, and where its commands go. Classes named after OpenSubdiv's follow its conventions: pointers that the caller
-/// deletes, null or false on failure. Why is in GetError().
+/// A device, and where its commands go. Classes named after OpenSubdiv's follow its conventions: pointers
+/// that the caller deletes, null or false on failure. Why is in GetError().
 ///
-/// Submitting, as OpenSubdiv's other back ends do: every UpdateData and Eval... is submitted to Device::queue, in order, with
-/// barriers to and from what else runs on that queue; VkEvaluator::Synchronize waits. Queue access is the caller's to
-/// synchronise.
+/// Submitting, as OpenSubdiv's other back ends do: every UpdateData and Eval... is submitted to
+/// Device::queue, in order, with barriers to and from what else runs on that queue; VkEvaluator::Synchronize
+/// waits. Queue access is the caller's to synchronise.
 ///
-/// Recording: after SetCommandBuffer everything goes into that command buffer, outside a render pass, each step after a
-/// barrier from kernel and copy writes before it. Nothing is submitted, nothing waits. Owed after: a barrier from
-/// vk::kKernelWrites to what reads the results.
+/// Recording: after SetCommandBuffer everything goes into that command buffer, outside a render pass, each
+/// step after a barrier from kernel and copy writes before it. Nothing is submitted, nothing waits. Owed
+/// after: a barrier from vk::kKernelWrites to what reads the results.
 ///
-/// What an Eval... needs bound is prepared at its first call and found again by its arguments: a frame that repeats those of
-/// the last one allocates nothing on the device. To be used by one thread at a time; must outlive all that is made with it.
+/// What an Eval... needs bound is prepared at its first call and found again by its arguments: a frame that
+/// repeats those of the last one allocates nothing on the device. To be used by one thread at a time; must
+/// outlive all that is made with it.
 class VkDeviceContext {
   public:
     /// `device` must outlive the context. Null never: kernels are made when first needed.
@@ -33,16 +34,16 @@ class VkDeviceContext {
 
     const vk::Device& GetDevice() const { return device_; }
 
-    /// Records into `commands`, which has just been begun, hence is not pending: what its last recording needed is let go.
-    /// VK_NULL_HANDLE: submits again.
+    /// Records into `commands`, which has just been begun, hence is not pending: what its last recording
+    /// needed is let go. VK_NULL_HANDLE: submits again.
     void SetCommandBuffer(VkCommandBuffer commands);
     VkCommandBuffer GetCommandBuffer() const { return commands_; }
 
     /// Lets go of what was recorded into `commands`: call it before they are freed, when they have completed.
     void Release(VkCommandBuffer commands);
 
-    /// Lets go of what was prepared with a buffer of the caller's own: call it before that is destroyed. Vertex buffers and
-    /// tables of limn::osd do so themselves. Waits for what has been submitted.
+    /// Lets go of what was prepared with a buffer of the caller's own: call it before that is destroyed.
+    /// Vertex buffers and tables of limn::osd do so themselves. Waits for what has been submitted.
     void Forget(VkBuffer buffer);
 
     /// Waits for all that has been submitted. False: the device is lost.

@@ -12,7 +12,8 @@ bool is_usable(const BufferDescriptor& desc, int length) {
 }
 
 vk::PointBuffer points_of(const BoundPoints& points) {
-    return {points.buffer, 0, static_cast<uint64_t>(points.desc.offset), static_cast<uint32_t>(points.desc.stride)};
+    return {points.buffer, 0, static_cast<uint64_t>(points.desc.offset),
+            static_cast<uint32_t>(points.desc.stride)};
 }
 
 /// All buffers that are not null have points of the source's length.
@@ -43,7 +44,8 @@ VkEvaluator* VkEvaluator::Create(const BufferDescriptor& srcDesc, const BufferDe
                                  const BufferDescriptor& dvvDesc, VkDeviceContext* context) {
     auto evaluator = std::make_unique<VkEvaluator>();
     evaluator->context_ = context;
-    if (evaluator->Compile(srcDesc, dstDesc, duDesc, dvDesc, duuDesc, duvDesc, dvvDesc)) return evaluator.release();
+    if (evaluator->Compile(srcDesc, dstDesc, duDesc, dvDesc, duuDesc, duvDesc, dvvDesc))
+        return evaluator.release();
     if (context != nullptr) context->Fail(bad_descriptors());
     return nullptr;
 }
@@ -58,8 +60,8 @@ bool VkEvaluator::Compile(const BufferDescriptor& srcDesc, const BufferDescripto
     return true;
 }
 
-bool VkEvaluator::Stencils(const BoundPoints& src, const BoundPoints (&outputs)[6], const VkStencilTable* table,
-                           VkDeviceContext* context, int start, int end) {
+bool VkEvaluator::Stencils(const BoundPoints& src, const BoundPoints (&outputs)[6],
+                           const VkStencilTable* table, VkDeviceContext* context, int start, int end) {
     if (table == nullptr) return false;
     if (context == nullptr) context = table->GetDeviceContext();
     if (end < 0) end = table->GetNumStencils();
@@ -86,15 +88,16 @@ bool VkEvaluator::Stencils(const BoundPoints& src, const BoundPoints (&outputs)[
     return true;
 }
 
-bool VkEvaluator::Patches(Primvar primvar, int fvarChannel, const BoundPoints& src, const BoundPoints (&outputs)[6],
-                          int numPatchCoords, VkBuffer patchCoords, const VkPatchTable* table,
-                          VkDeviceContext* context) {
+bool VkEvaluator::Patches(Primvar primvar, int fvarChannel, const BoundPoints& src,
+                          const BoundPoints (&outputs)[6], int numPatchCoords, VkBuffer patchCoords,
+                          const VkPatchTable* table, VkDeviceContext* context) {
     if (table == nullptr) return false;
     if (context == nullptr) context = table->GetDeviceContext();
     if (numPatchCoords <= 0) return numPatchCoords == 0;
     if (!agree(src, outputs)) return context->Fail(bad_descriptors());
     PatchEvaluationInfo info;
-    info.patches = fvarChannel < 0 ? nullptr : table->GetTable().find(primvar, static_cast<uint32_t>(fvarChannel));
+    info.patches =
+        fvarChannel < 0 ? nullptr : table->GetTable().find(primvar, static_cast<uint32_t>(fvarChannel));
     info.width = static_cast<uint32_t>(src.desc.length);
     info.source = points_of(src);
     info.coords = patchCoords;

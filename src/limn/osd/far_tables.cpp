@@ -69,7 +69,8 @@ Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableRea
     if (!out) return out;
     const bool first = weights == StencilWeights::first;
     const size_t count = out->indices.size();
-    if (!copy_weights(first ? table.GetWeights() : table.GetDuuWeights(), count, out->weights)) return no_weights();
+    if (!copy_weights(first ? table.GetWeights() : table.GetDuuWeights(), count, out->weights))
+        return no_weights();
     if (first && table.GetDuWeights().empty()) return out;
     if (!copy_weights(first ? table.GetDuWeights() : table.GetDuvWeights(), count, out->tangent1_weights) ||
         !copy_weights(first ? table.GetDvWeights() : table.GetDvvWeights(), count, out->tangent2_weights))
@@ -79,8 +80,10 @@ Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableRea
 
 template Result<StencilTable> convert_stencil_table(const Far::StencilTableReal<float>&);
 template Result<StencilTable> convert_stencil_table(const Far::StencilTableReal<double>&);
-template Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<float>&, StencilWeights);
-template Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<double>&, StencilWeights);
+template Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<float>&,
+                                                          StencilWeights);
+template Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<double>&,
+                                                          StencilWeights);
 
 namespace {
 
@@ -105,7 +108,8 @@ class PatchUploader {
         for (const Osd::PatchArray& array : out.arrays)
             out.types |= 1u << array.GetPatchTypeRegular() | 1u << array.GetPatchTypeIrregular();
         for (size_t i = 0; i < host.index_count; ++i) {
-            if (host.indices[i] < 0) return Error{ErrorCode::invalid_argument, "a patch has an index below 0", i};
+            if (host.indices[i] < 0)
+                return Error{ErrorCode::invalid_argument, "a patch has an index below 0", i};
             out.source_count = std::max(out.source_count, static_cast<uint32_t>(host.indices[i]) + 1);
         }
         out.patch_count = static_cast<uint32_t>(host.param_count);
@@ -134,7 +138,8 @@ class PatchUploader {
 
 const DevicePatches* DevicePatchTable::find(Primvar primvar, uint32_t channel) const {
     const DevicePatches* patches = primvar == Primvar::vertex ? &vertex : &varying;
-    if (primvar == Primvar::face_varying) patches = channel < face_varying.size() ? &face_varying[channel] : nullptr;
+    if (primvar == Primvar::face_varying)
+        patches = channel < face_varying.size() ? &face_varying[channel] : nullptr;
     return patches != nullptr && !patches->arrays.empty() ? patches : nullptr;
 }
 
@@ -144,8 +149,9 @@ Result<PatchTableUpload> record_patch_table_upload(const vk::Device& device, VkC
     if (table.GetNumPatchArrays() == 0) return out;
     const Osd::CpuPatchTable host(&table);
     PatchUploader uploader(device, command_buffer, out.staging);
-    auto vertex = uploader.upload({host.GetPatchArrayBuffer(), host.GetNumPatchArrays(), host.GetPatchIndexBuffer(),
-                                   host.GetPatchIndexSize(), host.GetPatchParamBuffer(), host.GetPatchParamSize()});
+    auto vertex =
+        uploader.upload({host.GetPatchArrayBuffer(), host.GetNumPatchArrays(), host.GetPatchIndexBuffer(),
+                         host.GetPatchIndexSize(), host.GetPatchParamBuffer(), host.GetPatchParamSize()});
     if (!vertex) return vertex.error();
     out.table.vertex = std::move(*vertex);
     if (host.GetVaryingPatchArrayBuffer() != nullptr && host.GetVaryingPatchIndexSize() != 0) {
@@ -156,9 +162,10 @@ Result<PatchTableUpload> record_patch_table_upload(const vk::Device& device, VkC
         out.table.varying = std::move(*varying);
     }
     for (int channel = 0; channel < host.GetNumFVarChannels(); ++channel) {
-        auto patches = uploader.upload({host.GetFVarPatchArrayBuffer(channel), host.GetNumPatchArrays(),
-                                        host.GetFVarPatchIndexBuffer(channel), host.GetFVarPatchIndexSize(channel),
-                                        host.GetFVarPatchParamBuffer(channel), host.GetFVarPatchParamSize(channel)});
+        auto patches =
+            uploader.upload({host.GetFVarPatchArrayBuffer(channel), host.GetNumPatchArrays(),
+                             host.GetFVarPatchIndexBuffer(channel), host.GetFVarPatchIndexSize(channel),
+                             host.GetFVarPatchParamBuffer(channel), host.GetFVarPatchParamSize(channel)});
         if (!patches) return patches.error();
         out.table.face_varying.push_back(std::move(*patches));
     }

@@ -18,21 +18,23 @@ enum class StencilWeights : uint8_t {
     second,  ///< duu; duv and dvv as tangents
 };
 
-/// The rows of a Far table as limn has them: the same sizes, indices and order, weights in float. Real is float or double.
-/// source_count covers all that rows refer to, which in tables of unfactorized stencils is more than control vertices.
-/// Errors: invalid_argument (weights that the table does not have, an index below 0).
+/// The rows of a Far table as limn has them: the same sizes, indices and order, weights in float. Real is
+/// float or double. source_count covers all that rows refer to, which in tables of unfactorized stencils is
+/// more than control vertices. Errors: invalid_argument (weights that the table does not have, an index below
+/// 0).
 template <class Real>
 Result<StencilTable> convert_stencil_table(const Far::StencilTableReal<Real>& table);
 template <class Real>
-Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<Real>& table, StencilWeights weights);
+Result<StencilTable> convert_limit_stencil_table(const Far::LimitStencilTableReal<Real>& table,
+                                                 StencilWeights weights);
 
 /// One of the interpolations of a patch table: bit for bit the arrays that Osd::CpuPatchTable has.
 struct DevicePatches {
     Osd::PatchArrayVector arrays;
-    vk::Buffer array_words;  ///< arrays.size() Osd::PatchArray
-    vk::Buffer indices;      ///< int32, control vertices
-    vk::Buffer params;       ///< Osd::PatchParam, 12 bytes each
-    uint32_t types = 0;      ///< bit t: patches of Far::PatchDescriptor type t may occur
+    vk::Buffer array_words;     ///< arrays.size() Osd::PatchArray
+    vk::Buffer indices;         ///< int32, control vertices
+    vk::Buffer params;          ///< Osd::PatchParam, 12 bytes each
+    uint32_t types = 0;         ///< bit t: patches of Far::PatchDescriptor type t may occur
     uint32_t source_count = 0;  ///< the largest index, plus one
     uint32_t patch_count = 0;
 };

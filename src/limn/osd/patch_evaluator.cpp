@@ -56,7 +56,8 @@ Result<PatchEvaluator> PatchEvaluator::create(const vk::Device& device) {
 namespace {
 
 Result<void> check(const PatchEvaluationInfo& info) {
-    if (info.patches == nullptr || info.patches->arrays.empty()) return vk::bad_argument("there are no patches");
+    if (info.patches == nullptr || info.patches->arrays.empty())
+        return vk::bad_argument("there are no patches");
     if (info.width == 0) return vk::bad_argument("points have no components");
     if (info.coords == VK_NULL_HANDLE) return vk::bad_argument("the buffer of patch coordinates is null");
     if (auto checked = vk::check_points(info.source, info.width); !checked) return checked;
@@ -69,15 +70,20 @@ Result<void> check(const PatchEvaluationInfo& info) {
 /// Three outputs, value and first derivatives or second ones, for a window of coordinates.
 class WindowPlanner {
   public:
-    WindowPlanner(const vk::Device& device, const vk::Kernel& kernel, bool texel, const PatchEvaluationInfo& info,
-                  vk::Recording& recording)
-        : limits_(device.properties.limits), kernel_(kernel), texel_(texel), info_(info), recording_(recording) {}
+    WindowPlanner(const vk::Device& device, const vk::Kernel& kernel, bool texel,
+                  const PatchEvaluationInfo& info, vk::Recording& recording)
+        : limits_(device.properties.limits),
+          kernel_(kernel),
+          texel_(texel),
+          info_(info),
+          recording_(recording) {}
 
     /// Coordinates whose outputs can be bound at once.
     uint64_t window() const {
         uint64_t bytes_each = 4 * shared::kOsdCoordWords;
         for (const vk::PointBuffer& output : info_.outputs)
-            if (output.buffer != VK_NULL_HANDLE) bytes_each = std::max(bytes_each, uint64_t{4} * output.stride);
+            if (output.buffer != VK_NULL_HANDLE)
+                bytes_each = std::max(bytes_each, uint64_t{4} * output.stride);
         return std::max<uint64_t>(1, (limits_.maxStorageBufferRange - 65536) / bytes_each);
     }
 
@@ -98,8 +104,8 @@ class WindowPlanner {
         bound.push_back(whole(patches.indices));
         bound.push_back(whole(patches.params));
         const uint64_t coord_bytes = 4 * shared::kOsdCoordWords;
-        bound.push_back(read(info_.coords, first * coord_bytes, (first + count) * coord_bytes, VK_FORMAT_R32_UINT,
-                             params.coord_base));
+        bound.push_back(read(info_.coords, first * coord_bytes, (first + count) * coord_bytes,
+                             VK_FORMAT_R32_UINT, params.coord_base));
         const uint64_t last_point = std::max(patches.source_count, 1u) - 1;
         bound.push_back(read(info_.source.buffer, vk::byte_of(info_.source, 0, 0),
                              vk::byte_of(info_.source, last_point, info_.width), VK_FORMAT_R32_SFLOAT,
@@ -121,10 +127,12 @@ class WindowPlanner {
     static uint32_t lowest(uint32_t bits) { return (bits & 1) != 0 ? 0 : (bits & 2) != 0 ? 1 : 2; }
 
     /// Four components a dispatch.
-    Result<void> add_dispatches(VkDescriptorSet set, uint32_t second, uint32_t wanted, OsdPatchEvalParams params) {
+    Result<void> add_dispatches(VkDescriptorSet set, uint32_t second, uint32_t wanted,
+                                OsdPatchEvalParams params) {
         const uint64_t groups = (params.coord_count - 1) / shared::kOsdPatchWorkgroupSize + 1;
         for (uint32_t c = 0; c < info_.width; c += 4) {
-            const uint32_t constants[4] = {std::min(4u, info_.width - c), second, wanted, info_.patches->types};
+            const uint32_t constants[4] = {std::min(4u, info_.width - c), second, wanted,
+                                           info_.patches->types};
             auto pipeline = kernel_.pipeline(constants);
             if (!pipeline) return pipeline.error();
             recording_.add_dispatch(*pipeline, set, groups, params);
@@ -135,12 +143,14 @@ class WindowPlanner {
     }
 
     /// Bytes [begin, end), from an aligned one; `base` is the first of them, in words from there.
-    vk::BoundBuffer range(VkBuffer buffer, uint64_t begin, uint64_t end, uint64_t alignment, uint32_t& base) const {
+    vk::BoundBuffer range(VkBuffer buffer, uint64_t begin, uint64_t end, uint64_t alignment,
+                          uint32_t& base) const {
         const uint64_t aligned = begin - begin % std::max<uint64_t>(alignment, 4);
         base = static_cast<uint32_t>((begin - aligned) / 4);
         return {buffer, aligned, end - aligned};
     }
-    vk::BoundBuffer read(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format, uint32_t& base) const {
+    vk::BoundBuffer read(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format,
+                         uint32_t& base) const {
         if (!texel_) return range(buffer, begin, end, limits_.minStorageBufferOffsetAlignment, base);
         vk::BoundBuffer bound = range(buffer, begin, end, limits_.minTexelBufferOffsetAlignment, base);
         bound.type = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;

@@ -5,8 +5,8 @@
 
 namespace limn::osd {
 
-/// A Far patch table, varying and face-varying patches included, in device memory: arrays, indices and params are bit for bit
-/// those of Osd::CpuPatchTable.
+/// A Far patch table, varying and face-varying patches included, in device memory: arrays, indices and params
+/// are bit for bit those of Osd::CpuPatchTable.
 class VkPatchTable {
   public:
     using VertexBufferBinding = VkBuffer;  ///< what Osd::Mesh asks for

@@ -56,7 +56,8 @@ VkStencilTable* VkStencilTable::Create(const Far::LimitStencilTable* table, VkDe
     return create_limit<float>(table, context);
 }
 
-VkStencilTable* VkStencilTable::Create(const Far::LimitStencilTableReal<double>* table, VkDeviceContext* context) {
+VkStencilTable* VkStencilTable::Create(const Far::LimitStencilTableReal<double>* table,
+                                       VkDeviceContext* context) {
     return create_limit<double>(table, context);
 }
 

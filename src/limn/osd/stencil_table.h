@@ -30,10 +30,12 @@ class VkStencilTable {
 
   private:
     VkStencilTable() = default;
-    static VkStencilTable* create(Result<StencilTable> first, Result<StencilTable>* second, VkDeviceContext* context);
+    static VkStencilTable* create(Result<StencilTable> first, Result<StencilTable>* second,
+                                  VkDeviceContext* context);
     static Result<vk::DeviceStencilTable> upload(const StencilTable& table, VkDeviceContext& context);
     template <class Real>
-    static VkStencilTable* create_limit(const Far::LimitStencilTableReal<Real>* table, VkDeviceContext* context);
+    static VkStencilTable* create_limit(const Far::LimitStencilTableReal<Real>* table,
+                                        VkDeviceContext* context);
 
     VkDeviceContext* context_ = nullptr;
     vk::DeviceStencilTable table_, second_;

@@ -7,14 +7,16 @@ namespace limn::osd {
 VkVertexBuffer* VkVertexBuffer::Create(int numElements, int numVertices, VkDeviceContext* context) {
     if (context == nullptr) return nullptr;
     if (numElements <= 0 || numVertices < 0) {
-        context->Fail({ErrorCode::invalid_argument, "a vertex buffer of no elements, or fewer than no vertices"});
+        context->Fail(
+            {ErrorCode::invalid_argument, "a vertex buffer of no elements, or fewer than no vertices"});
         return nullptr;
     }
     std::unique_ptr<VkVertexBuffer> out(new VkVertexBuffer);
     out->num_elements_ = numElements;
     out->num_vertices_ = numVertices;
-    auto buffer = vk::create_buffer(context->GetDevice(), out->bytes_of(numVertices),
-                                    vk::kPointUsage | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, vk::MemoryUse::device);
+    auto buffer =
+        vk::create_buffer(context->GetDevice(), out->bytes_of(numVertices),
+                          vk::kPointUsage | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, vk::MemoryUse::device);
     if (!buffer) {
         context->Fail(buffer.error());
         return nullptr;
@@ -37,7 +39,8 @@ bool VkVertexBuffer::lies_within(int startVertex, int numVertices) const {
     return context_->Fail({ErrorCode::index_out_of_range, "vertices outside of a vertex buffer"});
 }
 
-bool VkVertexBuffer::UpdateData(const float* src, int startVertex, int numVertices, VkDeviceContext* context) {
+bool VkVertexBuffer::UpdateData(const float* src, int startVertex, int numVertices,
+                                VkDeviceContext* context) {
     VkDeviceContext& to = context != nullptr ? *context : *context_;
     if (!lies_within(startVertex, numVertices)) return false;
     if (numVertices == 0) return true;
@@ -58,7 +61,8 @@ bool VkVertexBuffer::ReadData(float* dst, int startVertex, int numVertices, VkDe
     VkDeviceContext& from = context != nullptr ? *context : *context_;
     if (!lies_within(startVertex, numVertices)) return false;
     const std::span<float> values(dst, bytes_of(numVertices) / sizeof(float));
-    auto read = vk::download_bytes(from.GetDevice(), buffer_, bytes_of(startVertex), std::as_writable_bytes(values));
+    auto read =
+        vk::download_bytes(from.GetDevice(), buffer_, bytes_of(startVertex), std::as_writable_bytes(values));
     return read ? true : from.Fail(read.error());
 }
 

@@ -5,8 +5,8 @@
 
 namespace limn::osd {
 
-/// numVertices points of numElements floats each: element e of vertex v is float v * numElements + e. Also what patch
-/// coordinates are passed in: Create(5, count, context), for Osd::PatchCoord is five words.
+/// numVertices points of numElements floats each: element e of vertex v is float v * numElements + e. Also
+/// what patch coordinates are passed in: Create(5, count, context), for Osd::PatchCoord is five words.
 class VkVertexBuffer {
   public:
     /// Null on failure. The buffer may be drawn from: it has vertex usage.
@@ -16,8 +16,8 @@ class VkVertexBuffer {
     VkVertexBuffer(const VkVertexBuffer&) = delete;
     VkVertexBuffer& operator=(const VkVertexBuffer&) = delete;
 
-    /// Copies numVertices * numElements floats to the vertices from startVertex on, in order with evaluations before and
-    /// after. False on failure, or where they lie outside.
+    /// Copies numVertices * numElements floats to the vertices from startVertex on, in order with evaluations
+    /// before and after. False on failure, or where they lie outside.
     bool UpdateData(const float* src, int startVertex, int numVertices, VkDeviceContext* context = nullptr);
     /// The reverse, for tests and tools: waits for the queue.
     bool ReadData(float* dst, int startVertex, int numVertices, VkDeviceContext* context = nullptr) const;
