@@ -52,34 +52,48 @@ void add_point(uint index, Jet weight) {
     sums[2] += (kSecond != 0 ? weight.vv : weight.v) * point;
 }
 
-// Loops over points stay loops: unrolled, the kernel is large, and the functions of a Gregory patch are more than registers
-// hold.
-void sum_points(uint type, uint boundary, uint first, float u, float v) {
+// The functions of up to six points at a time, `group` after group: what a whole patch has is more than registers hold.
+uint group_basis(uint type, uint group, uint boundary, float u, float v, out Jet basis[6]) {
     if (osd_is_type(kTypes, type, kOsdRegular)) {
-        const OsdBicubic basis = osd_bicubic(boundary, u, v);
-        [[dont_unroll]] for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 4; ++i) add_point(first + 4 * j + i, osd_bicubic_jet(basis, i, j));
-    } else if (osd_is_type(kTypes, type, kOsdLoop)) {
-        Jet basis[20];
-        osd_box_spline_basis(boundary, u, v, basis);
-        [[dont_unroll]] for (int i = 0; i < 12; ++i) add_point(first + i, basis[i]);
-    } else if (osd_is_type(kTypes, type, kOsdGregoryBasis)) {
-        [[dont_unroll]] for (int k = 0; k < 4; ++k) {
-            Jet basis[5];
-            osd_gregory_corner(k, u, v, basis);
-            for (int i = 0; i < 5; ++i) add_point(first + 5 * k + i, basis[i]);
-        }
-    } else if (osd_is_type(kTypes, type, kOsdGregoryTriangle)) {
-        [[dont_unroll]] for (int k = 0; k < 3; ++k) {
-            Jet basis[6];
-            osd_gregory_triangle_corner(k, u, v, basis);
-            for (int i = 0; i < 5; ++i) add_point(first + 5 * k + i, basis[i]);
-            add_point(first + 15 + k, basis[5]);
-        }
-    } else if (osd_is_type(kTypes, type, kOsdQuads) || osd_is_type(kTypes, type, kOsdTriangles)) {
-        Jet basis[20];
-        linear_basis(u, v, type == kOsdTriangles, basis);
-        [[dont_unroll]] for (int i = 0; i < (type == kOsdTriangles ? 3 : 4); ++i) add_point(first + i, basis[i]);
+        const OsdBicubic bicubic = osd_bicubic(boundary, u, v);
+        for (int i = 0; i < 4; ++i) basis[i] = osd_bicubic_jet(bicubic, i, int(group));
+        return 4;
+    }
+    if (osd_is_type(kTypes, type, kOsdGregoryBasis)) {
+        Jet corner[5];
+        osd_gregory_corner(int(group), u, v, corner);
+        for (int i = 0; i < 5; ++i) basis[i] = corner[i];
+        return 5;
+    }
+    if (osd_is_type(kTypes, type, kOsdGregoryTriangle)) {
+        osd_gregory_triangle_corner(int(group), u, v, basis);
+        return 6;
+    }
+    if (osd_is_type(kTypes, type, kOsdLoop)) {
+        Jet box[20];
+        osd_box_spline_basis(boundary, u, v, box);
+        for (int i = 0; i < 6; ++i) basis[i] = box[6 * group + i];
+        return 6;
+    }
+    if (osd_is_type(kTypes, type, kOsdQuads) || osd_is_type(kTypes, type, kOsdTriangles)) {
+        Jet corners[20];
+        linear_basis(u, v, type == kOsdTriangles, corners);
+        for (int i = 0; i < 4; ++i) basis[i] = corners[i];
+        return type == kOsdTriangles ? 3 : 4;
+    }
+    return 0;
+}
+
+void sum_points(uint type, uint boundary, uint first, float u, float v) {
+    const bool corners = type == kOsdGregoryTriangle;  // whose sixth points come after all others
+    const uint groups = type == kOsdRegular || type == kOsdGregoryBasis ? 4 : corners ? 3 : type == kOsdLoop ? 2 : 1;
+    uint next = first;
+    [[dont_unroll]] for (uint group = 0; group < groups; ++group) {
+        Jet basis[6];
+        const uint count = group_basis(type, group, boundary, u, v, basis);
+        [[dont_unroll]] for (uint i = 0; i < count; ++i)
+            add_point(corners && i == 5 ? first + 15 + group : next + i, basis[i]);
+        next += corners ? 5 : count;
     }
 }
 
