@@ -13,6 +13,7 @@
 #define LIMN_FN inline
 #define LIMN_OUT_ARRAY(T, name, n) T (&name)[n]
 #define LIMN_INOUT(T) T&
+#define LIMN_INOUT_ARRAY(T, name, n) T (&name)[n]
 namespace limn::shared {
 using real = double;  // the CPU reference; kernels compute in float
 using std::sqrt;
@@ -29,6 +30,7 @@ inline bool is_finite_number(real x) {
 #define LIMN_FN
 #define LIMN_OUT_ARRAY(T, name, n) out T name[n]
 #define LIMN_INOUT(T) inout T
+#define LIMN_INOUT_ARRAY(T, name, n) inout T name[n]
 #define real float
 #define LIMN_LAYOUT(T, bytes)
 // By its bits: compilers of shaders may take it that no number is NaN.
