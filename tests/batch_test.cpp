@@ -432,6 +432,7 @@ TEST(Batch, OfNothingIsEmpty) {
     EXPECT_TRUE(patches->meshes.empty() && topology->meshes.empty());
     EXPECT_EQ(patches->table.point_count(), 0u);
     EXPECT_EQ(topology->table.face_count, 0u);
+    EXPECT_EQ(topology->table.instance_count(), 0u);
 }
 
 }  // namespace

@@ -371,9 +371,8 @@ Result<BasicPatchBatch<Real>> merge_patch_tables(std::span<const BasicPatchTable
 
 Result<TessellationBatch> merge_tessellation_tables(std::span<const TessellationTable* const> tables) {
     TessellationMerger merger{tables};
-    if (tables.empty()) return std::move(merger.out);
     if (auto numbered = merger.number(); !numbered) return numbered.error();
-    merger.out.table.options = tables[0]->options;
+    if (!tables.empty()) merger.out.table.options = tables[0]->options;
     merger.number_instances();
     for_each_index(
         static_cast<uint32_t>(tables.size()), [&](uint32_t m) { merger.copy_mesh(m); }, 1);

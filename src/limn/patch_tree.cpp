@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <memory>
+#include <mutex>
+#include <tuple>
 
 #include "limn/grid_passes.h"
 #include "limn/parallel.h"
 #include "limn/patch_evaluator.h"
+#include "limn/patch_tree_cache.h"
 #include "limn/topology.h"
 
 namespace limn {
@@ -167,6 +171,8 @@ Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest, bool rel
     return tree;
 }
 
+using Trees = std::vector<std::shared_ptr<const Tree>>;
+
 /// Rows are padded to a multiple of this: trees of nearly equal size then share a dispatch.
 constexpr uint32_t kRowPadding = 16;
 uint32_t padded_rows(const Tree& tree) {
@@ -174,18 +180,19 @@ uint32_t padded_rows(const Tree& tree) {
 }
 
 /// Nodes and leaves of all trees in a row: the root of each.
-std::vector<uint32_t> join_trees(const std::vector<Tree>& trees, PatchTreeTable& out) {
+std::vector<uint32_t> join_trees(const Trees& trees, PatchTreeTable& out) {
     size_t node_count = 0, leaf_count = 0;
-    for (const Tree& tree : trees) {
-        node_count += tree.nodes.size();
-        leaf_count += tree.leaf_points.size() / shared::kLeafPoints;
+    for (const auto& tree : trees) {
+        node_count += tree->nodes.size();
+        leaf_count += tree->leaf_points.size() / shared::kLeafPoints;
     }
     std::vector<uint32_t> roots;
     if (node_count >= shared::kMaxTreeFirst || leaf_count >= shared::kMaxTreeFirst) return roots;
     out.nodes.allocate(node_count);
     out.leaf_points.allocate(leaf_count * shared::kLeafWords);
     uint32_t node_at = 0, leaf_at = 0;
-    for (const Tree& tree : trees) {
+    for (const auto& shared_tree : trees) {
+        const Tree& tree = *shared_tree;
         roots.push_back(node_at);
         for (size_t n = 0; n < tree.nodes.size(); ++n) {
             const uint32_t word = tree.nodes[n], kind = shared::node_kind(word);
@@ -213,13 +220,12 @@ void write_class(const Tree& tree, const GridClass& c, GridTable& grid) {
     }
 }
 
-Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees,
-                         const std::vector<uint32_t>& plans, uint64_t max_bytes, GridTable& grid,
-                         const BuildPart& part) {
+Result<void> add_classes(const PatchTable& table, const Trees& trees, const std::vector<uint32_t>& plans,
+                         uint64_t max_bytes, GridTable& grid, const BuildPart& part) {
     uint64_t groups = 0, samples = 0;
     for (size_t t = 0; t < trees.size(); ++t) {
         const uint32_t ring = table.plans[plans[t]].ring_size;
-        GridClass c{ring, ring_group_count(ring), padded_rows(trees[t]), static_cast<uint32_t>(groups),
+        GridClass c{ring, ring_group_count(ring), padded_rows(*trees[t]), static_cast<uint32_t>(groups),
                     shared::kGridCornersFirst};
         grid.classes.push_back(c);
         grid.placements.push_back({1, 0, 0, 1, static_cast<uint32_t>(samples), c.sample_count});
@@ -234,16 +240,16 @@ Result<void> add_classes(const PatchTable& table, const std::vector<Tree>& trees
     for (size_t t = 0; t < trees.size(); ++t) {
         uint32_t* sample = grid.placement_samples.data() + grid.placements[t].first;
         for (uint32_t s = 0; s < grid.classes[t].sample_count; ++s)
-            sample[s] = s < trees[t].rows.size() ? s : kInvalidIndex;
+            sample[s] = s < trees[t]->rows.size() ? s : kInvalidIndex;
     }
     for_each_index(
         static_cast<uint32_t>(trees.size()), part,
-        [&](uint32_t t) { write_class(trees[t], grid.classes[t], grid); }, 1);
+        [&](uint32_t t) { write_class(*trees[t], grid.classes[t], grid); }, 1);
     return {};
 }
 
 /// Gives each surface its local points; none of them crosses a pass.
-Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& trees,
+Result<void> place_surfaces(const PatchTable& table, const Trees& trees,
                             const std::vector<uint32_t>& tree_of_plan, const std::vector<uint32_t>& roots,
                             PatchTreeTable& out, const BuildPart& part) {
     GridTable& grid = out.local_points;
@@ -253,12 +259,12 @@ Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& tr
     uint64_t local = 0;
     auto place = [&](uint32_t i) {
         const Surface& s = table.surfaces[i];
-        const uint32_t tree = tree_of_plan[s.plan()], count = static_cast<uint32_t>(trees[tree].rows.size());
+        const uint32_t tree = tree_of_plan[s.plan()], count = static_cast<uint32_t>(trees[tree]->rows.size());
         if (local / grid.faces_per_pass != (local + count - 1) / grid.faces_per_pass)
             local = (local / grid.faces_per_pass + 1) * grid.faces_per_pass;
         surfaces[i] = {s.first_ring, static_cast<uint32_t>(local), tree, tree};
         out.surfaces[i] = {shared::pack_surface(roots[tree], s.rotation()), static_cast<uint32_t>(local),
-                           trees[tree].point_count};
+                           trees[tree]->point_count};
         local += count;
     };
     for_each_in_order(static_cast<uint32_t>(surfaces.size()), part.part(0, 0.5f), place);
@@ -269,9 +275,57 @@ Result<void> place_surfaces(const PatchTable& table, const std::vector<Tree>& tr
     return {};
 }
 
+/// What a tree depends on, beside what its plan is made from.
+struct TreeKey {
+    PlanIdentity plan;
+    double smallest;
+    bool relative;
+    bool operator<(const TreeKey& other) const {
+        return std::tie(plan, smallest, relative) < std::tie(other.plan, other.smallest, other.relative);
+    }
+};
+
+uint64_t bytes_of(const Tree& tree) {
+    uint64_t bytes = sizeof(Tree) + tree.nodes.size() * 4 + tree.leaf_points.size() * 2 + tree.is_tangent.size();
+    for (const Row& row : tree.rows) bytes += sizeof(Row) + row.size() * sizeof(double);
+    return bytes;
+}
+
 }  // namespace
 
-Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options) {
+struct PatchTreeCache::Impl {
+    std::mutex mutex;
+    std::map<TreeKey, std::shared_ptr<const Tree>> trees;
+    uint64_t bytes = 0;
+
+    std::shared_ptr<const Tree> find(const TreeKey& key) {
+        const std::lock_guard lock(mutex);
+        const auto at = trees.find(key);
+        return at == trees.end() ? nullptr : at->second;
+    }
+    void keep(const TreeKey& key, const std::shared_ptr<const Tree>& tree) {
+        const std::lock_guard lock(mutex);
+        if (trees.try_emplace(key, tree).second) bytes += bytes_of(*tree);
+    }
+};
+
+PatchTreeCache::PatchTreeCache() : impl_(std::make_unique<Impl>()) {}
+PatchTreeCache::~PatchTreeCache() = default;
+PatchTreeCache::PatchTreeCache(PatchTreeCache&&) noexcept = default;
+PatchTreeCache& PatchTreeCache::operator=(PatchTreeCache&&) noexcept = default;
+uint32_t PatchTreeCache::size() const {
+    const std::lock_guard lock(impl_->mutex);
+    return static_cast<uint32_t>(impl_->trees.size());
+}
+uint64_t PatchTreeCache::bytes() const {
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->bytes;
+}
+
+namespace {
+
+/// `cache` may be null.
+Result<PatchTreeTable> build(const PatchTable& table, const PatchTreeOptions& options, const PatchTreeCache* cache) {
     if (options.max_rate < 2 || options.max_rate > 128)
         return Error{ErrorCode::invalid_argument,
                      "a rate of " + std::to_string(options.max_rate) + " is not within 2 and 128"};
@@ -287,15 +341,22 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
         tree_of_plan[s.plan()] = static_cast<uint32_t>(plans.size());
         plans.push_back(s.plan());
     }
-    std::vector<Tree> trees(plans.size());
+    Trees trees(plans.size());
     // Rates are measured at quarters of edges, whatever they may be.
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
+    const auto key_of = [&](uint32_t t) { return TreeKey{table.plan_identities[plans[t]], smallest, options.relative}; };
     for_each_index(
         static_cast<uint32_t>(plans.size()), part.part(0, 0.4f),
-        [&](uint32_t t) { trees[t] = grow_tree(table, plans[t], smallest, options.relative); }, 1);
+        [&](uint32_t t) {
+            if (cache != nullptr) trees[t] = cache->impl().find(key_of(t));
+            if (trees[t] != nullptr) return;
+            trees[t] = std::make_shared<const Tree>(grow_tree(table, plans[t], smallest, options.relative));
+            if (cache != nullptr) cache->impl().keep(key_of(t), trees[t]);
+        },
+        1);
     if (auto ok = part.check(); !ok) return ok.error();
-    for (const Tree& tree : trees)
-        if (tree.rows.size() > 0xffff)
+    for (const auto& tree : trees)
+        if (tree->rows.size() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
 
     PatchTreeTable out;
@@ -320,6 +381,19 @@ Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTre
     out.ptex_surfaces = table.ptex_surfaces;
     if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
+}
+
+}  // namespace
+
+Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options) {
+    return build(table, options, nullptr);
+}
+
+Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options,
+                                         const PatchTreeCache& cache) {
+    if (table.plan_identities.size() != table.plans.size())
+        return Error{ErrorCode::invalid_argument, "the table does not have an identity for each plan"};
+    return build(table, options, &cache);
 }
 
 }  // namespace limn

@@ -14,6 +14,12 @@ struct PointBuffer {
     uint32_t stride = 3;            ///< floats from one point to the next
 };
 
+/// 32-bit words in a buffer of the caller's, from offset_bytes on, a multiple of 4.
+struct WordBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0;
+};
+
 /// What to evaluate. For each row r in [first_row, first_row + row_count) and component i < width:
 /// destination[r][i] = sum over k of weight[k] * source[index[k]][i], and tangents likewise. The order of
 /// each sum is fixed when the table is uploaded: results are the same bits at every run. Nothing else is

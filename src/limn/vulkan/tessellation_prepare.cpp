@@ -237,7 +237,7 @@ Result<void> TessellationPreparation::add_rates() {
     // What looks at instances has a set of its own: no binding is left beside the command and the result.
     auto measured_set = set;
     p.payload[16] = p.payload[17] = word(shared::kNoFace);
-    if (info.instances.buffer != VK_NULL_HANDLE) {
+    if (info.instances.buffer != VK_NULL_HANDLE && table().instance_count != 0) {
         uint32_t base = 0;
         const BoundBuffer instances = write(info.instances.buffer, info.instances.offset_bytes,
                                             sizeof(TessellationInstance) * table().instance_count, base);
@@ -280,7 +280,7 @@ Result<void> TessellationPreparation::add_rates() {
 }
 
 Result<void> TessellationPreparation::add_instance_commands() {
-    if (info.instance_commands.buffer == VK_NULL_HANDLE) return {};
+    if (info.instance_commands.buffer == VK_NULL_HANDLE || table().instance_count == 0) return {};
     uint32_t base = 0;
     const uint64_t bytes = 4ull * shared::kTessCommandWords * table().instance_count;
     const BoundBuffer commands = write(info.instance_commands.buffer, info.instance_commands.offset_bytes, bytes, base);
@@ -290,7 +290,7 @@ Result<void> TessellationPreparation::add_instance_commands() {
     p.payload[0] = word(base);
     p.payload[1] = word(table().instances_offset);
     p.payload[2] = word(info.number_instances ? 1 : 0);
-    auto made = dispatch(kTessCommandsKernel, *set, std::max(table().instance_count, 1u), p);
+    auto made = dispatch(kTessCommandsKernel, *set, table().instance_count, p);
     if (!made) return made.error();
     out.rates.push_back({*made});
     return {};

@@ -12,7 +12,7 @@ Array<uint32_t> list_instances(const TessellationTable& table) {
     words.allocate(size_t{count} + 2);
     words[0] = count;
     words[1] = 0;
-    words[2] = table.face_count;
+    words[count + 1] = table.face_count;
     std::copy(table.instance_faces.begin(), table.instance_faces.end(), words.begin() + 1);
     return words;
 }

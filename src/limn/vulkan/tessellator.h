@@ -9,12 +9,6 @@
 
 namespace limn::vk {
 
-/// 32-bit words in a buffer of the caller's, from offset_bytes on, a multiple of 4.
-struct WordBuffer {
-    VkBuffer buffer = VK_NULL_HANDLE;
-    VkDeviceSize offset_bytes = 0;
-};
-
 /// An element of TessellationInfo::instances, 64 bytes: limn/shared/tess_params.h. value_scale 1 leaves RateSettings::value
 /// as it is; flags are kInstanceHidden, kInstanceKeepOutside and kInstanceKeepBackfaces.
 using TessellationInstance = shared::TessInstance;
