@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <vector>
 
 #include "limn/c/limn.h"
 #include "limn/grid_table.h"
@@ -123,6 +124,12 @@ limn_result create(Object** out, limn_error* error, const Make& make) {
     *out = nullptr;
     return give(make(), out, error);
 }
+
+/// `out` refers to `channels`, and to arrays of the caller's.
+Result<void> read_description(const limn_control_mesh_description* given, ControlMeshDescription& out,
+                              std::vector<FaceVaryingDescription>& channels);
+/// The defaults where there are none.
+Result<PatchTableOptions> read_patch_table_options(const limn_patch_table_options* given);
 
 inline BuildControl* control_of(limn_build_control* control) {
     return control != nullptr ? &control->value : nullptr;

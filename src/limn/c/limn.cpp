@@ -55,12 +55,14 @@ std::vector<FaceVaryingDescription> read_channels(Reader& reader, const limn_con
     return channels;
 }
 
-Result<ControlMesh> create_mesh(const limn_control_mesh_description* given) {
+}  // namespace
+
+Result<void> read_description(const limn_control_mesh_description* given, ControlMeshDescription& out,
+                              std::vector<FaceVaryingDescription>& channels) {
     const auto d = read_struct(given);
     if (!d) return d.error();
     Reader reader;
-    const std::vector<FaceVaryingDescription> channels = read_channels(reader, *d);
-    ControlMeshDescription out;
+    channels = read_channels(reader, *d);
     out.options = read_scheme(reader, *d);
     out.vertex_count = d->vertex_count;
     out.face_sizes = reader.array(d->face_sizes, d->face_count, "face_sizes");
@@ -74,11 +76,10 @@ Result<ControlMesh> create_mesh(const limn_control_mesh_description* given) {
     out.channels = channels;
     out.positions = reader.array(d->positions, d->position_value_count, "positions");
     out.left_handed = (d->flags & LIMN_CONTROL_MESH_LEFT_HANDED) != 0;
-    if (!reader.state) return reader.state.error();
-    return ControlMesh::create(out);
+    return reader.state;
 }
 
-Result<PatchTableOptions> read_options(const limn_patch_table_options* given) {
+Result<PatchTableOptions> read_patch_table_options(const limn_patch_table_options* given) {
     PatchTableOptions out;
     if (given == nullptr) return out;
     const auto options = read_struct(given);
@@ -94,6 +95,15 @@ Result<PatchTableOptions> read_options(const limn_patch_table_options* given) {
     return out;
 }
 
+namespace {
+
+Result<ControlMesh> create_mesh(const limn_control_mesh_description* given) {
+    ControlMeshDescription description;
+    std::vector<FaceVaryingDescription> channels;
+    if (auto read = read_description(given, description, channels); !read) return read.error();
+    return ControlMesh::create(description);
+}
+
 /// `build(mesh, options, cache)` makes the table.
 template <class Build>
 limn_result create_patch_table(const limn_control_mesh* mesh, const limn_patch_table_options* options,
@@ -102,7 +112,7 @@ limn_result create_patch_table(const limn_control_mesh* mesh, const limn_patch_t
     if (table == nullptr) return report(bad_argument("table is null"), error);
     *table = nullptr;
     if (mesh == nullptr) return report(bad_argument("mesh is null"), error);
-    const auto read = read_options(options);
+    const auto read = read_patch_table_options(options);
     if (!read) return report(read.error(), error);
     return give(build(mesh->value, *read, cache != nullptr ? &cache->value : nullptr), table, error);
 }

@@ -327,6 +327,55 @@ limn_result limn_stencil_table_create(const limn_control_mesh* mesh, const limn_
 void limn_stencil_table_destroy(limn_stencil_table* table) LIMN_C_NOEXCEPT;
 uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) LIMN_C_NOEXCEPT;  ///< 0 of null
 
+// Baked files: all of it made ahead of time, mapped and pointed into (limn/baked_file.h).
+
+typedef struct limn_baked_channel {
+    const float* values;  ///< value_count * width floats, width 1 to 4
+    uint64_t value_count;
+} limn_baked_channel;
+
+/// Flags of limn_bake_options.
+enum { LIMN_BAKE_JOIN_CREASES = 1 };  ///< as LIMN_TESSELLATION_TABLE_JOIN_CREASES
+
+typedef struct limn_bake_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    uint32_t max_rate;                        ///< as limn_patch_trees_options; 0: 64
+    uint32_t channel_count;                   ///< that are baked, of the mesh's first ones
+    const limn_patch_table_options* patches;  ///< may be null
+    const limn_baked_channel* channels;
+} limn_bake_options;
+
+/// Builds patches, trees and tessellation tables, and writes them with the description's positions; `path` should end in
+/// .limn. `options` may be null.
+limn_result limn_baked_file_write(const char* path, const limn_control_mesh_description* description,
+                                  const limn_bake_options* options, limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_baked_file limn_baked_file;
+
+/// Flags of limn_baked_file_open.
+enum {
+    LIMN_BAKED_FILE_TRUSTED = 1,  ///< not checked: one that was damaged or made to do harm then does
+    LIMN_BAKED_FILE_READ = 2      ///< read into memory rather than mapped
+};
+
+limn_result limn_baked_file_open(const char* path, uint32_t flags, limn_baked_file** file,
+                                 limn_error* error) LIMN_C_NOEXCEPT;
+void limn_baked_file_destroy(limn_baked_file* file) LIMN_C_NOEXCEPT;
+
+// What a file holds: as long as the file is open, and not to be destroyed. Null of null, and past the last channel.
+const limn_patch_table* limn_baked_file_get_patches(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_patch_trees* limn_baked_file_get_trees(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_tessellation_table* limn_baked_file_get_tessellation(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_patch_table* limn_baked_file_get_channel_patches(const limn_baked_file* file,
+                                                            uint32_t channel) LIMN_C_NOEXCEPT;
+const limn_patch_trees* limn_baked_file_get_channel_trees(const limn_baked_file* file,
+                                                          uint32_t channel) LIMN_C_NOEXCEPT;
+/// 3 for each control point. `value_count` may be null.
+const float* limn_baked_file_get_positions(const limn_baked_file* file, uint64_t* value_count) LIMN_C_NOEXCEPT;
+const float* limn_baked_file_get_channel_values(const limn_baked_file* file, uint32_t channel,
+                                                uint64_t* value_count) LIMN_C_NOEXCEPT;
+
 #ifdef __cplusplus
 }
 #endif
