@@ -132,8 +132,55 @@ static void test_surface(void) {
     limn_control_mesh_destroy(NULL);
 }
 
+/* A file holds what builders make. */
+static void test_baked_file(void) {
+    static const char path[] = "limn_c_test.limn";
+    static const float positions[24] = {-1, -1, 1,  1, -1, 1,  -1, 1,  1,  1, 1,  1,
+                                        -1, 1,  -1, 1, 1,  -1, -1, -1, -1, 1, -1, -1};
+    limn_control_mesh_description d = describe();
+    limn_control_mesh* mesh;
+    limn_patch_table* table;
+    limn_baked_file* file = NULL;
+    limn_patch_table_info built, baked;
+    limn_tessellation_table_info topology;
+    static double points[2][768]; /* what lies between control and level-1 points is not written */
+    uint64_t count = 0;
+    limn_error error;
+    d.positions = positions;
+    d.position_value_count = 24;
+    CHECK(limn_baked_file_write(path, &d, NULL, &error) == LIMN_SUCCESS);
+    REFUSED(limn_baked_file_write(NULL, &d, NULL, &error));
+    REFUSED(limn_baked_file_write(path, NULL, NULL, &error));
+    REFUSED(limn_baked_file_open(NULL, 0, &file, &error));
+    REFUSED(limn_baked_file_open(path, 4, &file, &error));
+    REFUSED(limn_baked_file_open(path, 0, NULL, &error));
+    CHECK(limn_baked_file_open("no such file.limn", 0, &file, &error) == LIMN_ERROR_CANNOT_OPEN && file == NULL);
+    CHECK(limn_baked_file_open(path, 0, &file, &error) == LIMN_SUCCESS);
+    CHECK(limn_control_mesh_create(&d, &mesh, &error) == LIMN_SUCCESS);
+    CHECK(limn_patch_table_create(mesh, NULL, NULL, &table, &error) == LIMN_SUCCESS);
+    built.struct_size = baked.struct_size = sizeof built;
+    topology.struct_size = sizeof topology;
+    CHECK(limn_patch_table_get_info(table, &built, &error) == LIMN_SUCCESS);
+    CHECK(limn_patch_table_get_info(limn_baked_file_get_patches(file), &baked, &error) == LIMN_SUCCESS);
+    CHECK(memcmp(&built, &baked, sizeof built) == 0);
+    CHECK(limn_tessellation_table_get_info(limn_baked_file_get_tessellation(file), &topology, &error) == LIMN_SUCCESS);
+    CHECK(topology.face_count == 6 && topology.mesh_edge_count == 12 && topology.instance_count == 1);
+    CHECK(limn_patch_table_build_points(table, cube, 24, 3, points[0], 3 * built.point_count, &error) == LIMN_SUCCESS);
+    CHECK(limn_patch_table_build_points(limn_baked_file_get_patches(file), cube, 24, 3, points[1], 3 * built.point_count,
+                                        &error) == LIMN_SUCCESS);
+    CHECK(memcmp(points[0], points[1], 24 * built.point_count) == 0);
+    CHECK(memcmp(limn_baked_file_get_positions(file, &count), positions, sizeof positions) == 0 && count == 24);
+    CHECK(limn_baked_file_get_trees(file) != NULL && limn_baked_file_get_channel_trees(file, 0) == NULL);
+    CHECK(limn_baked_file_get_patches(NULL) == NULL && limn_baked_file_get_positions(NULL, NULL) == NULL);
+    limn_patch_table_destroy(table);
+    limn_control_mesh_destroy(mesh);
+    limn_baked_file_destroy(file);
+    remove(path);
+}
+
 int main(void) {
     test_descriptions();
     test_surface();
+    test_baked_file();
     return failures == 0 ? 0 : 1;
 }

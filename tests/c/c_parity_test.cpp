@@ -12,8 +12,25 @@ namespace {
 
 #define LIMN_PIN(type, member, offset) static_assert(offsetof(type, member) == (offset))
 static_assert(sizeof(limn_error) == 256 && sizeof(limn_face_varying_channel) == 24 && sizeof(limn_patch_sample) == 24);
-static_assert(sizeof(limn_control_mesh_description) == 176 && sizeof(limn_patch_table_options) == 20);
+static_assert(sizeof(limn_control_mesh_description) == 176 && sizeof(limn_patch_table_options) == 32);
 static_assert(sizeof(limn_patch_table_info) == 40 && sizeof(limn_patch_evaluation) == 80);
+static_assert(sizeof(limn_patch_trees_options) == 32 && sizeof(limn_tessellation_table_options) == 32);
+static_assert(sizeof(limn_tessellation_table_info) == 40 && sizeof(limn_grid_table_options) == 24);
+static_assert(sizeof(limn_stencil_table_options) == 16 && sizeof(limn_bake_options) == 32);
+static_assert(sizeof(limn_baked_channel) == 16);
+LIMN_PIN(limn_patch_table_options, control, 24);
+LIMN_PIN(limn_patch_trees_options, max_weight_bytes, 16);
+LIMN_PIN(limn_patch_trees_options, control, 24);
+LIMN_PIN(limn_tessellation_table_options, channels, 8);
+LIMN_PIN(limn_tessellation_table_options, control, 24);
+LIMN_PIN(limn_tessellation_table_info, instance_count, 24);
+LIMN_PIN(limn_tessellation_table_info, bytes, 32);
+LIMN_PIN(limn_grid_table_options, samples_per_pass, 12);
+LIMN_PIN(limn_grid_table_options, max_weight_bytes, 16);
+LIMN_PIN(limn_stencil_table_options, interpolation, 12);
+LIMN_PIN(limn_bake_options, patches, 16);
+LIMN_PIN(limn_bake_options, channels, 24);
+LIMN_PIN(limn_baked_channel, value_count, 8);
 LIMN_PIN(limn_error, element, 8);
 LIMN_PIN(limn_error, message, 16);
 LIMN_PIN(limn_control_mesh_description, vertex_count, 24);
@@ -24,7 +41,11 @@ LIMN_PIN(limn_patch_table_options, isolation_level, 16);
 LIMN_PIN(limn_patch_table_info, bytes, 32);
 LIMN_PIN(limn_patch_evaluation, samples, 16);
 LIMN_PIN(limn_patch_evaluation, statuses, 64);
-static_assert(LIMN_ERROR_INVALID_ARGUMENT == 1 && LIMN_ERROR_VULKAN_FAILURE == 13 && LIMN_ERROR_UNSUPPORTED == 14);
+static_assert(LIMN_ERROR_INVALID_ARGUMENT == 1 && LIMN_ERROR_VULKAN_FAILURE == 13 && LIMN_ERROR_UNSUPPORTED == 14 &&
+              LIMN_ERROR_CANCELLED == 15);
+static_assert(LIMN_PATCH_TREES_RELATIVE == 1 && LIMN_TESSELLATION_TABLE_JOIN_CREASES == 1 &&
+              LIMN_GRID_TABLE_POINTS_ONLY == 1 && LIMN_STENCIL_TABLE_LIMIT == 1 && LIMN_STENCIL_TABLE_TANGENTS == 2);
+static_assert(LIMN_BAKE_JOIN_CREASES == 1 && LIMN_BAKED_FILE_TRUSTED == 1 && LIMN_BAKED_FILE_READ == 2);
 static_assert(LIMN_BOUNDARY_NONE == 2 && LIMN_FACE_VARYING_BOUNDARIES == 5 && LIMN_DERIVATIVES_SECOND == 2);
 
 // Two quads and a triangle; a crease, a corner, a boundary and a channel with a seam.

@@ -1,13 +1,17 @@
-// What implementations of the C interface share: objects, errors, structs that may grow. Not part of the public interface.
+// What implementations of the C interface share: objects, errors, structs that may grow. Not part of the
+// public interface.
 #pragma once
 
 #include <algorithm>
 #include <cstring>
 #include <new>
 #include <span>
+#include <vector>
 
 #include "limn/c/limn.h"
-#include "limn/patch_table.h"
+#include "limn/grid_table.h"
+#include "limn/patch_tree.h"
+#include "limn/tessellation_table.h"
 
 struct limn_control_mesh {
     limn::ControlMesh value;
@@ -15,8 +19,23 @@ struct limn_control_mesh {
 struct limn_plan_cache {
     limn::PlanCache value;
 };
+struct limn_build_control {
+    limn::BuildControl value;
+};
 struct limn_patch_table {
     limn::PatchTable value;
+};
+struct limn_patch_trees {
+    limn::PatchTreeTable value;
+};
+struct limn_tessellation_table {
+    limn::TessellationTable value;
+};
+struct limn_grid_table {
+    limn::GridTable value;
+};
+struct limn_stencil_table {
+    limn::StencilTable value;
 };
 
 namespace limn::c {
@@ -28,8 +47,12 @@ inline Error bad_argument(std::string message) {
     return {ErrorCode::invalid_argument, std::move(message)};
 }
 
-/// A struct of the caller's, who may know less or more of it than this library: what he has no room for is zero, what is
-/// not known here has to be. `first_bytes`: what the struct had to begin with.
+inline Error out_of_memory() {
+    return {ErrorCode::out_of_memory, "memory is exhausted"};
+}
+
+/// A struct of the caller's, who may know less or more of it than this library: what he has no room for is
+/// zero, what is not known here has to be. `first_bytes`: what the struct had to begin with.
 template <class T>
 Result<T> read_struct(const T* given, uint32_t first_bytes = sizeof(T)) {
     constexpr uint32_t kMost = 4096;  // a size beyond that was never set
@@ -39,9 +62,21 @@ Result<T> read_struct(const T* given, uint32_t first_bytes = sizeof(T)) {
     T known = {};
     std::memcpy(&known, given, std::min<size_t>(size, sizeof(T)));
     const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-    if (size > sizeof(T) && std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; }))
+    if (size > sizeof(T) &&
+        std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; }))
         return Error{ErrorCode::unsupported, "a struct asks for what this version of limn does not know"};
     return known;
+}
+
+/// Fills as much of `info` as its struct_size says.
+template <class T>
+limn_result write_struct(T known, T* info, limn_error* error) {
+    if (info == nullptr) return report(bad_argument("info is null"), error);
+    if (info->struct_size < sizeof(T) || info->struct_size > 4096)
+        return report(bad_argument("struct_size is not the size of the struct"), error);
+    known.struct_size = info->struct_size;
+    std::memcpy(info, &known, sizeof(known));
+    return LIMN_SUCCESS;
 }
 
 /// Arrays and options as they are read; the first thing wrong stays.
@@ -79,7 +114,25 @@ template <class T, class Object>
 limn_result give(Result<T> result, Object** out, limn_error* error) {
     if (!result) return report(result.error(), error);
     *out = new (std::nothrow) Object{std::move(*result)};
-    return *out != nullptr ? LIMN_SUCCESS : report({ErrorCode::out_of_memory, "memory is exhausted"}, error);
+    return *out != nullptr ? LIMN_SUCCESS : report(out_of_memory(), error);
+}
+
+/// `make()` makes what the object holds.
+template <class Object, class Make>
+limn_result create(Object** out, limn_error* error, const Make& make) {
+    if (out == nullptr) return report(bad_argument("there is no room for what is created: null"), error);
+    *out = nullptr;
+    return give(make(), out, error);
+}
+
+/// `out` refers to `channels`, and to arrays of the caller's.
+Result<void> read_description(const limn_control_mesh_description* given, ControlMeshDescription& out,
+                              std::vector<FaceVaryingDescription>& channels);
+/// The defaults where there are none.
+Result<PatchTableOptions> read_patch_table_options(const limn_patch_table_options* given);
+
+inline BuildControl* control_of(limn_build_control* control) {
+    return control != nullptr ? &control->value : nullptr;
 }
 
 }  // namespace limn::c

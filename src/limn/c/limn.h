@@ -16,7 +16,10 @@
 #include <stdint.h>
 
 #ifdef __cplusplus
+#define LIMN_C_NOEXCEPT noexcept
 extern "C" {
+#else
+#define LIMN_C_NOEXCEPT
 #endif
 
 /// What went wrong: 0, or limn::ErrorCode + 1.
@@ -36,7 +39,8 @@ enum {
     LIMN_ERROR_PARSE_ERROR = 11,
     LIMN_ERROR_NO_DEVICE = 12,
     LIMN_ERROR_VULKAN_FAILURE = 13,
-    LIMN_ERROR_UNSUPPORTED = 14  ///< and what a struct asks for that this library does not know
+    LIMN_ERROR_UNSUPPORTED = 14,  ///< and what a struct asks for that this library does not know
+    LIMN_ERROR_CANCELLED = 15     ///< by a limn_build_control
 };
 
 #define LIMN_NO_ELEMENT UINT64_MAX
@@ -131,8 +135,20 @@ typedef struct limn_control_mesh_description {
 } limn_control_mesh_description;
 
 limn_result limn_control_mesh_create(const limn_control_mesh_description* description, limn_control_mesh** mesh,
-                                     limn_error* error);
-void limn_control_mesh_destroy(limn_control_mesh* mesh);
+                                     limn_error* error) LIMN_C_NOEXCEPT;
+void limn_control_mesh_destroy(limn_control_mesh* mesh) LIMN_C_NOEXCEPT;
+
+// Builds
+
+/// limn::BuildControl: to stop a build and to watch it from other threads. It outlives the builds that it is given to.
+typedef struct limn_build_control limn_build_control;
+limn_result limn_build_control_create(limn_build_control** control, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_build_control_destroy(limn_build_control* control) LIMN_C_NOEXCEPT;
+/// The build returns LIMN_ERROR_CANCELLED, as do those that follow until limn_build_control_reset. Null does nothing.
+void limn_build_control_cancel(limn_build_control* control) LIMN_C_NOEXCEPT;
+void limn_build_control_reset(limn_build_control* control) LIMN_C_NOEXCEPT;
+/// From 0 to 1, which a build that succeeds ends with; 0 of null.
+float limn_build_control_get_progress(const limn_build_control* control) LIMN_C_NOEXCEPT;
 
 // The limit surface
 
@@ -140,8 +156,8 @@ typedef struct limn_plan_cache limn_plan_cache;
 typedef struct limn_patch_table limn_patch_table;
 
 /// Plans already built, for any number of meshes and threads. It is the one object that changes.
-limn_result limn_plan_cache_create(limn_plan_cache** cache, limn_error* error);
-void limn_plan_cache_destroy(limn_plan_cache* cache);
+limn_result limn_plan_cache_create(limn_plan_cache** cache, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_plan_cache_destroy(limn_plan_cache* cache) LIMN_C_NOEXCEPT;
 
 typedef struct limn_patch_table_options {
     uint32_t struct_size;
@@ -149,16 +165,18 @@ typedef struct limn_patch_table_options {
     uint32_t plan_depth;  ///< 1 to 10; 0: 3
     limn_end_cap end_cap;
     uint32_t isolation_level;  ///< of Gregory end caps, 1 to 10; 0: 10
+    uint32_t reserved;         ///< 0
+    limn_build_control* control;  ///< may be null
 } limn_patch_table_options;
 
 /// The limit surface of vertex or varying data. `options` and `cache` may be null.
 limn_result limn_patch_table_create(const limn_control_mesh* mesh, const limn_patch_table_options* options,
-                                    limn_plan_cache* cache, limn_patch_table** table, limn_error* error);
+                                    limn_plan_cache* cache, limn_patch_table** table, limn_error* error) LIMN_C_NOEXCEPT;
 /// Of one face-varying channel, in the channel's values.
 limn_result limn_patch_table_create_channel(const limn_control_mesh* mesh, uint32_t channel,
                                             const limn_patch_table_options* options, limn_plan_cache* cache,
-                                            limn_patch_table** table, limn_error* error);
-void limn_patch_table_destroy(limn_patch_table* table);
+                                            limn_patch_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_patch_table_destroy(limn_patch_table* table) LIMN_C_NOEXCEPT;
 
 /// Points are the control points and, from first_refined on, those of level 1 that surfaces need.
 typedef struct limn_patch_table_info {
@@ -174,12 +192,12 @@ typedef struct limn_patch_table_info {
 } limn_patch_table_info;
 
 /// Fills as much of `info` as its struct_size says.
-limn_result limn_patch_table_get_info(const limn_patch_table* table, limn_patch_table_info* info, limn_error* error);
+limn_result limn_patch_table_get_info(const limn_patch_table* table, limn_patch_table_info* info, limn_error* error) LIMN_C_NOEXCEPT;
 
 /// Control points -> control points and level-1 points: control_count * width values -> point_count * width.
 limn_result limn_patch_table_build_points(const limn_patch_table* table, const double* control_values,
                                           uint64_t control_value_count, uint32_t width, double* values,
-                                          uint64_t value_count, limn_error* error);
+                                          uint64_t value_count, limn_error* error) LIMN_C_NOEXCEPT;
 
 /// limn::PatchSample.
 typedef struct limn_patch_sample {
@@ -204,7 +222,159 @@ typedef struct limn_patch_evaluation {
 } limn_patch_evaluation;
 
 limn_result limn_patch_table_evaluate(const limn_patch_table* table, const limn_patch_evaluation* evaluation,
-                                      limn_error* error);
+                                      limn_error* error) LIMN_C_NOEXCEPT;
+
+/// The tables of many meshes as one: limn::merge_patch_tables. Control points follow each other in their order.
+limn_result limn_patch_table_create_merged(const limn_patch_table* const* tables, uint64_t table_count,
+                                           limn_patch_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+
+// What devices take beside patch tables
+
+typedef struct limn_patch_trees limn_patch_trees;
+
+/// Flags of limn_patch_trees_options.
+enum { LIMN_PATCH_TREES_RELATIVE = 1 };  ///< for samples; not for tessellation
+
+typedef struct limn_patch_trees_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    uint32_t max_rate;          ///< 2 to 128; 0: 64
+    uint32_t points_per_pass;   ///< 0: 2^22
+    uint64_t max_weight_bytes;  ///< 0: 2^28
+    limn_build_control* control;
+} limn_patch_trees_options;
+
+/// `options` may be null.
+limn_result limn_patch_trees_create(const limn_patch_table* table, const limn_patch_trees_options* options,
+                                    limn_patch_trees** trees, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_patch_trees_destroy(limn_patch_trees* trees) LIMN_C_NOEXCEPT;
+
+typedef struct limn_tessellation_table limn_tessellation_table;
+
+/// Flags of limn_tessellation_table_options.
+enum { LIMN_TESSELLATION_TABLE_JOIN_CREASES = 1 };  ///< one vertex, and one normal, along infinitely sharp creases
+
+typedef struct limn_tessellation_table_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    const uint32_t* channels;  ///< face-varying channels whose seams split vertices
+    uint64_t channel_count;
+    limn_build_control* control;
+} limn_tessellation_table_options;
+
+/// `options` may be null.
+limn_result limn_tessellation_table_create(const limn_control_mesh* mesh, const limn_tessellation_table_options* options,
+                                           limn_tessellation_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+/// In the order of limn_patch_table_create_merged; each table is an instance.
+limn_result limn_tessellation_table_create_merged(const limn_tessellation_table* const* tables, uint64_t table_count,
+                                                  limn_tessellation_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_tessellation_table_destroy(limn_tessellation_table* table) LIMN_C_NOEXCEPT;
+
+typedef struct limn_tessellation_table_info {
+    uint32_t struct_size;
+    uint32_t face_count;       ///< ptex faces
+    uint32_t rate_edge_count;  ///< edges of the control mesh, then sub-face edges
+    uint32_t mesh_edge_count;  ///< the former
+    uint32_t row_count;
+    uint32_t corner_count;
+    uint32_t instance_count;
+    uint32_t reserved;
+    uint64_t bytes;
+} limn_tessellation_table_info;
+
+/// As limn_patch_table_get_info.
+limn_result limn_tessellation_table_get_info(const limn_tessellation_table* table, limn_tessellation_table_info* info,
+                                             limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_grid_table limn_grid_table;
+
+/// Flags of limn_grid_table_options.
+enum { LIMN_GRID_TABLE_POINTS_ONLY = 1 };  ///< no weights of derivatives: no normals, du or dv
+
+typedef struct limn_grid_table_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    uint32_t rate;              ///< intervals along each side of a ptex face, 1 to 256; 0: 8
+    uint32_t samples_per_pass;  ///< 0: 2^22
+    uint64_t max_weight_bytes;  ///< 0: 2^28
+} limn_grid_table_options;
+
+/// limn::build_grid_table. `options` may be null.
+limn_result limn_grid_table_create(const limn_patch_table* table, const limn_grid_table_options* options,
+                                   limn_grid_table** grid, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_grid_table_destroy(limn_grid_table* grid) LIMN_C_NOEXCEPT;
+/// ptex faces * samples of a face, which GridTable numbers; 0 of null.
+uint64_t limn_grid_table_get_sample_count(const limn_grid_table* grid) LIMN_C_NOEXCEPT;
+
+typedef struct limn_stencil_table limn_stencil_table;
+
+/// Flags of limn_stencil_table_options.
+enum {
+    LIMN_STENCIL_TABLE_LIMIT = 1,    ///< limits of the level's vertices
+    LIMN_STENCIL_TABLE_TANGENTS = 2  ///< and two tangents each
+};
+
+typedef struct limn_stencil_table_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    uint32_t level;  ///< of uniform refinement, 0 to 10
+    limn_interpolation interpolation;
+} limn_stencil_table_options;
+
+/// Rows over the control points for each vertex of a level: limn::build_stencil_table, build_limit_table.
+limn_result limn_stencil_table_create(const limn_control_mesh* mesh, const limn_stencil_table_options* options,
+                                      limn_stencil_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_stencil_table_destroy(limn_stencil_table* table) LIMN_C_NOEXCEPT;
+uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) LIMN_C_NOEXCEPT;  ///< 0 of null
+
+// Baked files: all of it made ahead of time, mapped and pointed into (limn/baked_file.h).
+
+typedef struct limn_baked_channel {
+    const float* values;  ///< value_count * width floats, width 1 to 4
+    uint64_t value_count;
+} limn_baked_channel;
+
+/// Flags of limn_bake_options.
+enum { LIMN_BAKE_JOIN_CREASES = 1 };  ///< as LIMN_TESSELLATION_TABLE_JOIN_CREASES
+
+typedef struct limn_bake_options {
+    uint32_t struct_size;
+    uint32_t flags;
+    uint32_t max_rate;                        ///< as limn_patch_trees_options; 0: 64
+    uint32_t channel_count;                   ///< that are baked, of the mesh's first ones
+    const limn_patch_table_options* patches;  ///< may be null
+    const limn_baked_channel* channels;
+} limn_bake_options;
+
+/// Builds patches, trees and tessellation tables, and writes them with the description's positions; `path` should end in
+/// .limn. `options` may be null.
+limn_result limn_baked_file_write(const char* path, const limn_control_mesh_description* description,
+                                  const limn_bake_options* options, limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_baked_file limn_baked_file;
+
+/// Flags of limn_baked_file_open.
+enum {
+    LIMN_BAKED_FILE_TRUSTED = 1,  ///< not checked: one that was damaged or made to do harm then does
+    LIMN_BAKED_FILE_READ = 2      ///< read into memory rather than mapped
+};
+
+limn_result limn_baked_file_open(const char* path, uint32_t flags, limn_baked_file** file,
+                                 limn_error* error) LIMN_C_NOEXCEPT;
+void limn_baked_file_destroy(limn_baked_file* file) LIMN_C_NOEXCEPT;
+
+// What a file holds: as long as the file is open, and not to be destroyed. Null of null, and past the last channel.
+const limn_patch_table* limn_baked_file_get_patches(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_patch_trees* limn_baked_file_get_trees(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_tessellation_table* limn_baked_file_get_tessellation(const limn_baked_file* file) LIMN_C_NOEXCEPT;
+const limn_patch_table* limn_baked_file_get_channel_patches(const limn_baked_file* file,
+                                                            uint32_t channel) LIMN_C_NOEXCEPT;
+const limn_patch_trees* limn_baked_file_get_channel_trees(const limn_baked_file* file,
+                                                          uint32_t channel) LIMN_C_NOEXCEPT;
+/// 3 for each control point. `value_count` may be null.
+const float* limn_baked_file_get_positions(const limn_baked_file* file, uint64_t* value_count) LIMN_C_NOEXCEPT;
+const float* limn_baked_file_get_channel_values(const limn_baked_file* file, uint32_t channel,
+                                                uint64_t* value_count) LIMN_C_NOEXCEPT;
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,132 @@
+// The C interface on Vulkan: points, stencils, grids, samples.
+#include "limn/c/vulkan_interop.h"
+
+struct limn_vk_evaluator {
+    limn::vk::Evaluator stencils;
+    limn::vk::SurfaceEvaluator surfaces;
+};
+
+namespace limn::c {
+namespace {
+
+Result<limn_vk_evaluator> create_evaluator(const limn_vk_context* context) {
+    if (context == nullptr) return bad_argument("context is null");
+    auto stencils = vk::Evaluator::create(context->value->device());
+    if (!stencils) return stencils.error();
+    auto surfaces = vk::SurfaceEvaluator::create(context->value->device());
+    if (!surfaces) return surfaces.error();
+    return limn_vk_evaluator{std::move(*stencils), std::move(*surfaces)};
+}
+
+/// Reads the info, and has `make(info, width, reader)` prepare what it says.
+template <class Info, class Make>
+limn_result prepare(const limn_vk_evaluator* evaluator, const Info* given, limn_vk_evaluation** evaluation,
+                    limn_error* error, const Make& make) {
+    return create(evaluation, error, [&]() -> Result<decltype(limn_vk_evaluation::value)> {
+        if (evaluator == nullptr) return bad_argument("evaluator is null");
+        const auto info = read_struct(given);
+        if (!info) return info.error();
+        Reader reader;
+        auto made = make(*info, info->width != 0 ? info->width : 3, reader);
+        if (!reader.state) return reader.state.error();
+        if (!made) return made.error();
+        return decltype(limn_vk_evaluation::value)(std::move(*made));
+    });
+}
+
+}  // namespace
+}  // namespace limn::c
+
+using namespace limn;
+using namespace limn::c;
+
+limn_result limn_vk_evaluator_create(const limn_vk_context* context, limn_vk_evaluator** evaluator,
+                                     limn_error* error) noexcept {
+    if (evaluator == nullptr) return report(bad_argument("evaluator is null"), error);
+    *evaluator = nullptr;
+    auto made = create_evaluator(context);
+    if (!made) return report(made.error(), error);
+    *evaluator = new (std::nothrow) limn_vk_evaluator(std::move(*made));
+    return *evaluator != nullptr ? LIMN_SUCCESS : report(out_of_memory(), error);
+}
+void limn_vk_evaluator_destroy(limn_vk_evaluator* evaluator) noexcept {
+    delete evaluator;
+}
+
+void limn_vk_evaluation_record(const limn_vk_evaluation* evaluation, VkCommandBuffer commands) noexcept {
+    if (evaluation == nullptr || commands == VK_NULL_HANDLE) return;
+    std::visit([&](const auto& e) { e.record(commands); }, evaluation->value);
+}
+void limn_vk_evaluation_destroy(limn_vk_evaluation* evaluation) noexcept {
+    delete evaluation;
+}
+
+limn_result limn_vk_evaluator_prepare_points(const limn_vk_evaluator* evaluator,
+                                             const limn_vk_points_info* info, limn_vk_evaluation** evaluation,
+                                             limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        return evaluator->surfaces.prepare_points(
+            {.patches = value_of(i.patches), .width = width, .points = read_points(reader, i.points, width)});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_stencils(const limn_vk_evaluator* evaluator,
+                                               const limn_vk_stencils_info* info,
+                                               limn_vk_evaluation** evaluation, limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        return evaluator->stencils.prepare({.table = value_of(i.table),
+                                            .width = width,
+                                            .source = read_points(reader, i.source, width),
+                                            .destination = read_points(reader, i.destination, width),
+                                            .tangent1 = read_points(reader, i.tangent1, width),
+                                            .tangent2 = read_points(reader, i.tangent2, width),
+                                            .first_row = i.first_row,
+                                            .row_count = i.row_count != 0 ? i.row_count : ~uint32_t{0}});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_grid(const limn_vk_evaluator* evaluator, const limn_vk_grid_info* info,
+                                           limn_vk_evaluation** evaluation, limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        return evaluator->surfaces.prepare_grid({.patches = value_of(i.patches),
+                                                 .grid = value_of(i.grid),
+                                                 .width = width,
+                                                 .points = read_points(reader, i.points, width),
+                                                 .values = read_points(reader, i.values, width),
+                                                 .normals = read_points(reader, i.normals, 3),
+                                                 .du = read_points(reader, i.du, width),
+                                                 .dv = read_points(reader, i.dv, width)});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_local_points(const limn_vk_evaluator* evaluator,
+                                                   const limn_vk_local_points_info* info,
+                                                   limn_vk_evaluation** evaluation,
+                                                   limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        return evaluator->surfaces.prepare_local_points({.patches = value_of(i.patches),
+                                                         .trees = value_of(i.trees),
+                                                         .width = width,
+                                                         .points = read_points(reader, i.points, width),
+                                                         .local_points = i.local_points});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_samples(const limn_vk_evaluator* evaluator,
+                                              const limn_vk_samples_info* info,
+                                              limn_vk_evaluation** evaluation, limn_error* error) noexcept {
+    constexpr Derivatives kDerivatives[] = {Derivatives::none, Derivatives::first, Derivatives::second};
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        const Derivatives derivatives = reader.choice(i.derivatives, kDerivatives, "number of derivatives");
+        return evaluator->surfaces.prepare_samples(
+            {.patches = value_of(i.patches),
+             .derivatives = derivatives,
+             .width = width,
+             .points = read_points(reader, i.points, width),
+             .samples = {i.samples, i.samples_offset_bytes, i.sample_count},
+             .results = read_points(reader, i.results, value_count(derivatives) * width),
+             .statuses = read_points(reader, i.statuses, 1),
+             .trees = value_of(i.trees),
+             .local_points = i.local_points});
+    });
+}
