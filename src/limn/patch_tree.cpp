@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <tuple>
 
 #include "limn/parallel.h"
@@ -247,6 +248,20 @@ Result<void> add_classes(const PatchTable& table, const Trees& trees,
     return {};
 }
 
+/// Surfaces come in the order of passes: within each they are sorted by class, counted and filled in.
+void sort_by_class(const std::vector<GridSurface>& surfaces, GridTable& grid) {
+    grid.surfaces.allocate(surfaces.size());
+    const auto pass_of = [&](size_t i) { return surfaces[i].ptex_face / grid.faces_per_pass; };
+    std::vector<uint32_t> next(grid.classes.size() + 1);
+    for (size_t begin = 0, end = 0; begin < surfaces.size(); begin = end) {
+        std::fill(next.begin(), next.end(), 0);
+        while (end < surfaces.size() && pass_of(end) == pass_of(begin)) ++next[surfaces[end++].grid_class + 1];
+        next[0] = static_cast<uint32_t>(begin);
+        std::partial_sum(next.begin(), next.end(), next.begin());
+        for (size_t i = begin; i < end; ++i) grid.surfaces[next[surfaces[i].grid_class]++] = surfaces[i];
+    }
+}
+
 /// Gives each surface its local points; none of them crosses a pass.
 Result<void> place_surfaces(const PatchTable& table, const Trees& trees,
                             const std::vector<uint32_t>& tree_of_plan, const std::vector<uint32_t>& roots,
@@ -267,12 +282,7 @@ Result<void> place_surfaces(const PatchTable& table, const Trees& trees,
         if (local > 0x7fffffff) return Error{ErrorCode::too_large, "2^31 local points or more"};
     }
     grid.total_sample_count = local;
-    std::stable_sort(surfaces.begin(), surfaces.end(), [&](const GridSurface& a, const GridSurface& b) {
-        const uint32_t pass_a = a.ptex_face / grid.faces_per_pass, pass_b = b.ptex_face / grid.faces_per_pass;
-        return pass_a != pass_b ? pass_a < pass_b : a.grid_class < b.grid_class;
-    });
-    grid.surfaces.allocate(surfaces.size());
-    std::copy(surfaces.begin(), surfaces.end(), grid.surfaces.begin());
+    sort_by_class(surfaces, grid);
     return {};
 }
 
