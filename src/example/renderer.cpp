@@ -35,10 +35,7 @@ limn::Result<void> record_surface(const limn::vk::Device& device, VkCommandBuffe
     points.record(commands);  // the few points that faces share, behind the control points
     limn::vk::record_barrier(device, commands, limn::vk::kKernelWrites, limn::vk::kKernelReads);
     auto recorded = surface.record(commands, {.value = 0.25f, .camera = camera});  // a quarter of a pixel off at most
-    limn::vk::record_barrier(device, commands, limn::vk::kKernelWrites,
-                             {VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
-                              VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_INDEX_READ_BIT |
-                                  VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT});
+    limn::vk::record_barrier(device, commands, limn::vk::kKernelWrites, limn::vk::kDrawReads);
     return recorded;
 }
 // [/readme]
