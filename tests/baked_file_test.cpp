@@ -7,6 +7,7 @@
 
 #include "files.h"
 #include "limn/baked_format.h"
+#include "limn/batch.h"
 #include "shapes/bake_shape.h"
 #include "shapes/follow_baked.h"
 
@@ -80,6 +81,28 @@ TEST(BakedFile, HoldsEveryArrayOfEveryShape) {
         for (const bool borrowed : collect(file->mesh()).borrowed) EXPECT_TRUE(borrowed);
         follow_baked(file->mesh());
     }
+}
+
+/// A crowd in one file.
+TEST(BakedFile, HoldsMergedTables) {
+    const BakedMesh parts[] = {bake(small_shape()), bake(make_torus(6, 5))};
+    const PatchTable* patches[] = {&parts[0].patches, &parts[1].patches, &parts[0].patches};
+    const TessellationTable* topologies[] = {&parts[0].tessellation, &parts[1].tessellation, &parts[0].tessellation};
+    auto merged = merge_patch_tables<float>(patches);
+    auto topology = merge_tessellation_tables(topologies);
+    ASSERT_TRUE(merged && topology);
+    auto trees = build_patch_trees(merged->table, {.max_rate = 16});
+    ASSERT_TRUE(trees.has_value());
+    BakedMesh mesh;
+    mesh.patches = std::move(merged->table);
+    mesh.tessellation = std::move(topology->table);
+    mesh.trees = std::move(*trees);
+    const Array<std::byte> file = write_baked_bytes(mesh);
+    const auto loaded = load_baked_bytes(bytes_of(file));
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    expect_same(mesh, *loaded, "merged");
+    EXPECT_EQ(loaded->tessellation.instance_count(), 3u);
+    follow_baked(*loaded);
 }
 
 TEST(BakedFile, ComparisonSeesOneBit) {
@@ -168,7 +191,7 @@ TEST(BakedFile, SaysWhatIsWrongWithAHeader) {
     };
     EXPECT_EQ(with([](BakedHeader&) {}), "");
     EXPECT_EQ(with([](BakedHeader& h) { h.version = 7; }),
-              "has format version 7, and this library reads version 1; bake it again");
+              "has format version 7, and this library reads version 2; bake it again");
     EXPECT_NE(with([](BakedHeader& h) { h.byte_order = 0x04030201; }).find("other byte order"), std::string::npos);
     EXPECT_NE(with([](BakedHeader& h) { h.magic[5] = '\n'; }).find("no baked file"), std::string::npos);
     EXPECT_NE(with([](BakedHeader& h) { h.file_bytes += 64; }).find("cut short"), std::string::npos);
@@ -209,6 +232,14 @@ TEST(BakedFile, RefusesWhatDoesNotFitTogether) {
     refused("no edge or place", [](BakedMesh& m) { m.tessellation.rows[2] = 3; });
     refused("at no place", [](BakedMesh& m) { m.tessellation.corners[0] = m.tessellation.face_count; });
     refused("no rows or faces", [](BakedMesh& m) { m.tessellation.rate_edges[0] = shared::kSideRowMask; });
+    const auto instances = [](BakedMesh& m, std::initializer_list<uint32_t> first) {
+        m.tessellation.instance_faces.allocate(first.size());
+        std::copy(first.begin(), first.end(), m.tessellation.instance_faces.begin());
+    };
+    refused("its instances", [&](BakedMesh& m) { instances(m, {0}); });
+    refused("its instances", [&](BakedMesh& m) { instances(m, {0, m.tessellation.face_count + 1}); });
+    refused("its instances", [&](BakedMesh& m) { instances(m, {1, m.tessellation.face_count}); });
+    refused("its instances", [&](BakedMesh& m) { instances(m, {0, 5, 3, m.tessellation.face_count}); });
     refused("tree or local points", [](BakedMesh& m) { m.trees.surfaces[0].first_local = 0xfffffff0; });
     refused("not behind it", [](BakedMesh& m) {
         for (uint32_t& node : m.trees.nodes) node = shared::pack_tree_node(shared::kNodeSplit, 0, 0);
@@ -287,7 +318,7 @@ TEST(ContentHash, IsTheSameEverywhere) {
     description.vertex_count = 4;
     description.face_sizes = sizes;
     description.face_vertices = vertices;
-    EXPECT_EQ(content_hash(description, {}).hex(), "08e9766f9e6738e5dad94075238103f5");
+    EXPECT_EQ(content_hash(description, {}).hex(), "c4ab2ee1652957c4cf8e6e7fe4cc3779");
 }
 
 TEST(BakedCache, BakesOnceAndAgainWhereDamaged) {

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cli/program.h"
+#include "cli/model_tables.h"
+#include "limn/baked_file.h"
+#include "limn/file.h"
 #include "limn/patch_table.h"
 #include "limn/refinement.h"
 #include "limn/stencil_table.h"
@@ -72,22 +74,25 @@ void count_vertices(const Topology& t, Summary& s) {
     }
 }
 
+TableSummary summary_of(const PatchTable& table) {
+    TableSummary t;
+    t.ptex_faces = table.ptex_surfaces.size();
+    t.surfaces = table.surfaces.size();
+    t.plans = table.plans.size();
+    t.level1_points = table.refined_count;
+    t.bytes = table.bytes();
+    t.plan_bytes = table.plan_bytes();
+    for (const Plan& plan : table.plans) t.largest_ring = std::max(t.largest_ring, plan.ring_size);
+    return t;
+}
+
 /// A mesh that has no patch table is still one to be told about.
 void summarize_table(const Result<PatchTable>& table, const char* what, std::optional<TableSummary>& out,
                      Summary& s) {
-    if (!table) {
+    if (table)
+        out = summary_of(*table);
+    else
         s.notes.push_back("no patch table of " + std::string(what) + ": " + table.error().message);
-        return;
-    }
-    TableSummary t;
-    t.ptex_faces = table->ptex_surfaces.size();
-    t.surfaces = table->surfaces.size();
-    t.plans = table->plans.size();
-    t.level1_points = table->refined_count;
-    t.bytes = table->bytes();
-    t.plan_bytes = table->plan_bytes();
-    for (const Plan& plan : table->plans) t.largest_ring = std::max(t.largest_ring, plan.ring_size);
-    out = t;
 }
 
 Result<Summary> summarize(const ControlMesh& mesh) {
@@ -208,7 +213,75 @@ void print_json(const Options& options, const Summary& s) {
     std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
+/// What is in a baked file.
+struct BakedSummary {
+    std::string scheme;
+    std::vector<uint32_t> grid_rates, refined_levels;
+    TableSummary surface;
+    std::optional<TableSummary> texture;
+};
+
+BakedSummary summarize(const BakedMesh& mesh) {
+    BakedSummary s;
+    s.scheme = scheme_names()[static_cast<size_t>(mesh.patches.options.scheme)];
+    for (const GridTable& grid : mesh.grids) s.grid_rates.push_back(grid.rate);
+    for (const RefinedGridTable& refined : mesh.refined) s.refined_levels.push_back(refined.level);
+    s.surface = summary_of(mesh.patches);
+    if (const BakedChannel* channel = texture_of(mesh)) s.texture = summary_of(channel->patches);
+    return s;
+}
+
+void print_baked_text(const Options& options, const BakedFile& file) {
+    const BakedMesh& mesh = file.mesh();
+    const BakedSummary s = summarize(mesh);
+    std::printf("%s: baked, %s, %u vertices, %s, %s; rates up to %u; %s\n", printable(options.path).c_str(),
+                s.scheme.c_str(), mesh.patches.control_count, plural(mesh.edges.size() / 2, "edge").c_str(),
+                plural(mesh.face_count, "face").c_str(), mesh.trees.max_rate, human_bytes(file.bytes()).c_str());
+    print_table("limit surface", s.surface);
+    if (s.texture) print_table("texture coordinates", *s.texture);
+    std::printf("tessellation: %s; patch trees: %s\n", human_bytes(mesh.tessellation.bytes()).c_str(),
+                human_bytes(mesh.trees.bytes()).c_str());
+    const auto list = [](const char* what, const std::vector<uint32_t>& numbers) {
+        if (numbers.empty()) return;
+        std::printf("%s:", what);
+        for (const uint32_t number : numbers) std::printf(" %u", number);
+        std::printf("\n");
+    };
+    list("grids of rate", s.grid_rates);
+    list("refined points of level", s.refined_levels);
+    std::printf("key: %s\n", mesh.key.hex().c_str());
+}
+
+void print_baked_json(const Options& options, const BakedFile& file) {
+    const BakedMesh& mesh = file.mesh();
+    const BakedSummary s = summarize(mesh);
+    nlohmann::json json = {{"model", options.path},
+                           {"baked", true},
+                           {"key", mesh.key.hex()},
+                           {"file_bytes", file.bytes()},
+                           {"scheme", s.scheme},
+                           {"vertices", mesh.patches.control_count},
+                           {"edges", mesh.edges.size() / 2},
+                           {"faces", mesh.face_count},
+                           {"max_rate", mesh.trees.max_rate},
+                           {"tessellation_bytes", mesh.tessellation.bytes()},
+                           {"patch_tree_bytes", mesh.trees.bytes()},
+                           {"grid_rates", s.grid_rates},
+                           {"refined_levels", s.refined_levels}};
+    add_table_json("", s.surface, json);
+    add_table_json("texture_", s.texture, json);
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+int run_baked(const Options& options) {
+    const Result<BakedFile> file = BakedFile::open(options.path);
+    if (!file) return fail(file.error());
+    options.json ? print_baked_json(options, *file) : print_baked_text(options, *file);
+    return 0;
+}
+
 int run(const Options& options) {
+    if (is_baked_file(options.path)) return run_baked(options);
     const Result<LoadedModel> loaded = load_model(options.path, options.surface);
     if (!loaded) return fail(loaded.error());
     const Result<Summary> summary = summarize(loaded->mesh);
@@ -225,10 +298,13 @@ int run(const Options& options) {
 void add_info(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
     CLI::App* command = program.add_subcommand("info", "Say what a model is made of");
-    command->add_option("MODEL", options->path, "OBJ file")->required();
+    command->add_option("MODEL", options->path, "OBJ file, or one of limn bake")->required();
     command->add_flag("--json", options->json, "Print JSON");
     add_surface_options(*command, options->surface);
-    command->callback([options, &status] { status = run(*options); });
+    command->callback([options, command, &status] {
+        check_baked_usage(*command, options->path);
+        status = run(*options);
+    });
 }
 
 }  // namespace limn::cli

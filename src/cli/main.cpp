@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
     program.failure_message(CLI::FailureMessage::simple);
     limn::cli::add_info(program, status);
+    limn::cli::add_bake(program, status);
     limn::cli::add_refine(program, status);
     limn::cli::add_eval(program, status);
     limn::cli::add_tessellate(program, status);

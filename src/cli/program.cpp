@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "limn/baked_file.h"
 #include "limn/file.h"
 
 namespace limn::cli {
@@ -92,7 +93,7 @@ std::vector<std::string> scheme_names() {
 }
 
 void add_surface_options(CLI::App& command, SurfaceOptions& options) {
-    const char* group = "Surface (the model's own tags hold where these are not given)";
+    const char* group = kSurfaceGroup;
     command.add_option("--scheme", options.scheme, "Subdivision scheme")
         ->check(CLI::IsMember(names(kSchemes)))
         ->capture_default_str()
@@ -118,6 +119,8 @@ void add_surface_options(CLI::App& command, SurfaceOptions& options) {
 }
 
 Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options) {
+    if (is_baked_file(path))
+        return Error{ErrorCode::parse_error, printable(path) + ": is a baked file, and this takes an OBJ file"};
     Result<Model> model = read_obj(path);
     if (!model) return model.error();
     override_tag(model->boundary, kBoundaries, options.boundary);

@@ -27,6 +27,7 @@ struct SurfaceOptions {
     std::optional<std::string> boundary, creasing, triangles, face_varying;
     std::string compat = "none";
 };
+inline constexpr const char* kSurfaceGroup = "Surface (the model's own tags hold where these are not given)";
 void add_surface_options(CLI::App& command, SurfaceOptions& options);
 
 /// What --scheme takes.
@@ -37,7 +38,7 @@ struct LoadedModel {
     Model model;
     ControlMesh mesh;
 };
-/// Error::message is one line that names the file and, where one is to blame, the line.
+/// Error::message is one line that names the file and, where one is to blame, the line. Baked files are none.
 Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options);
 
 /// --device: an index of `limn devices`, or "cpu" for limn's own code on the host, without Vulkan.
@@ -75,6 +76,7 @@ std::string human_bytes(uint64_t bytes);
 
 // One function a command: adds it to the program.
 void add_info(CLI::App& program, int& status);
+void add_bake(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
 void add_eval(CLI::App& program, int& status);
 void add_tessellate(CLI::App& program, int& status);

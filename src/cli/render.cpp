@@ -4,7 +4,9 @@
 #ifdef LIMN_HAVE_PICTURES
 #include <cmath>
 
+#include "cli/model_tables.h"
 #include "cli/picture_options.h"
+#include "limn/file.h"
 #include "viewer/graphics_device.h"
 #include "viewer/renderer.h"
 #include "viewer/surface_mesh.h"
@@ -46,19 +48,21 @@ viewer::Bounds bounds_of(std::span<const float> positions) {
 /// Makes the triangles that the options ask for: first for a camera that sees the control mesh, then, with
 /// the surface measured, for the one that the picture is taken with.
 Result<Scene> build_scene(const Options& options, const viewer::GraphicsDevice& graphics, VkExtent2D extent,
-                          const LoadedModel& loaded) {
+                          const ModelTables& model) {
     const vk::Device& device = graphics.device();
+    RateSettings rates = rate_settings_of(options.look);
+    if (auto limited = limit_rates(model.mesh(), rates); !limited)
+        return Error{limited.error().code, printable(options.model) + ": " + limited.error().message};
     auto kernels = viewer::SurfaceKernels::create(device, options.hardware && graphics.has_tessellation_shader());
     if (!kernels) return kernels.error();
     auto shared_kernels = std::make_unique<viewer::SurfaceKernels>(std::move(*kernels));
     const viewer::CameraView camera = camera_view(options.look);
     const viewer::RenderSettings settings = settings_of(options.look, camera);
-    RateSettings rates = rate_settings_of(options.look);
-    auto surface = viewer::SurfaceMesh::create(device, *shared_kernels, loaded.mesh, loaded.model.positions,
+    auto surface = viewer::SurfaceMesh::create(device, *shared_kernels, model.mesh(),
                                                {.mode = rates.mode, .places = needs_places(settings.color)});
     if (!surface) return surface.error();
     const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
-    const viewer::Bounds around = bounds_of(loaded.model.positions);
+    const viewer::Bounds around = bounds_of(model.positions());
     rates.camera = viewer::rate_camera(viewer::Camera::frame(around, camera, aspect), extent.width, extent.height);
     if (const auto done = surface->tessellate(rates); !done) return done.error();
     const auto bounds = surface->measure();
@@ -86,10 +90,10 @@ void print_times(const Scene& scene, viewer::PassTimer& timer) {
 }
 
 Result<viewer::Picture> draw(const Options& options, const viewer::GraphicsDevice& graphics,
-                             viewer::Renderer& renderer, const LoadedModel& loaded, Progress& progress) {
+                             viewer::Renderer& renderer, const ModelTables& model, Progress& progress) {
     const vk::Device& device = graphics.device();
-    progress.show("tessellating " + plural(loaded.mesh.face_count(), "face"));
-    auto scene = build_scene(options, graphics, renderer.extent(), loaded);
+    progress.show("tessellating " + plural(model.mesh().face_count, "face"));
+    auto scene = build_scene(options, graphics, renderer.extent(), model);
     if (!scene) return scene.error();
     if (options.hardware)
         if (auto prepared = renderer.prepare_hardware(*scene->kernels->hardware, scene->surface.scheme()); !prepared)
@@ -125,9 +129,8 @@ int run(const Options& options) {
         return kBadUsage;
     }
     Progress progress;
-    progress.show("reading " + options.model);
-    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
-    if (!loaded) return fail(loaded.error());
+    const Result<ModelTables> model = ModelTables::load(options.model, options.surface, "none", {}, progress);
+    if (!model) return fail(model.error());
     const auto graphics = viewer::GraphicsDevice::create(
         {.device_index = graphics_device_index(options.device), .validation = options.device.validation});
     if (!graphics) return fail(graphics.error());
@@ -142,7 +145,7 @@ int run(const Options& options) {
             fail(sized.error());
             return sized.error().code == ErrorCode::unsupported ? kBadUsage : kBadInput;
         }
-        picture = draw(options, *graphics, *renderer, *loaded, progress);
+        picture = draw(options, *graphics, *renderer, *model, progress);
     }
     if (!picture) return fail(picture.error());
     if (auto silent = graphics->check_validation(); !silent) return fail(silent.error());
@@ -159,7 +162,7 @@ void add_render(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("render", "Draw the limit surface into a PNG file");
 #ifdef LIMN_HAVE_PICTURES
     auto options = std::make_shared<Options>();
-    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("MODEL", options->model, "OBJ file, or one of limn bake")->required();
     command->add_option("-o,--output", options->output, "PNG file to write")->required();
     add_size_option(*command, options->size);
     command->add_flag("--times", options->times, "Print what each pass takes on the device");
@@ -168,7 +171,10 @@ void add_render(CLI::App& program, int& status) {
     add_look_options(*command, options->look);
     add_surface_options(*command, options->surface);
     add_graphics_device_option(*command, options->device);
-    command->callback([options, &status] { status = run(*options); });
+    command->callback([options, command, &status] {
+        check_baked_usage(*command, options->model);
+        status = run(*options);
+    });
 #else
     command->allow_extras();
     command->callback([&status] {

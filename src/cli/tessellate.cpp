@@ -95,6 +95,11 @@ Camera camera_of(const Options& options, std::span<const float> positions) {
                                size.height);
 }
 
+uint32_t max_rate_of(const Options& options) {
+    const auto uniform = static_cast<uint32_t>(std::ceil(options.values[0].value_or(1)));
+    return options.max_rate.value_or(std::max(kDefaultMaxRate, uniform));
+}
+
 RateSettings settings_of(const Options& options, std::span<const float> positions) {
     RateSettings settings;
     for (size_t i = 0; i < std::size(kModes); ++i) {
@@ -103,10 +108,7 @@ RateSettings settings_of(const Options& options, std::span<const float> position
         settings.value = *options.values[i];
     }
     settings.spacing = spacing_of(options.spacing);
-    settings.max_rate = kDefaultMaxRate;
-    if (settings.mode == RateMode::uniform)
-        settings.max_rate = std::max(settings.max_rate, static_cast<uint32_t>(std::ceil(settings.value)));
-    settings.max_rate = options.max_rate.value_or(settings.max_rate);
+    settings.max_rate = max_rate_of(options);
     settings.camera = camera_of(options, positions);
     if (options.cull) {
         const Culling culling = *parse_culling(*options.cull);
@@ -125,42 +127,6 @@ void check_usage(const Options& options) {
         throw CLI::ValidationError("--cull", "needs a Vulkan device: --device cpu does not cull");
 }
 
-/// The table of the channel that is asked for. Where a channel has none, a warning says so.
-Result<std::optional<PatchTable>> build_texture(const Options& options, const LoadedModel& loaded,
-                                                Progress& progress) {
-    const bool automatic = options.uv == "auto";
-    if (options.uv == "none" || (automatic && loaded.mesh.channels.empty()))
-        return std::optional<PatchTable>();
-    const uint32_t channel = automatic ? 0 : *parse_number<uint32_t>(options.uv);
-    if (channel >= loaded.mesh.channels.size())
-        return Error{ErrorCode::index_out_of_range,
-                     loaded.mesh.channels.empty()
-                         ? std::string("not every corner of its faces has texture coordinates")
-                         : "there is no channel " + std::to_string(channel) + " of texture coordinates"};
-    Result<PatchTable> table = build_face_varying_patch_table<float>(loaded.mesh, channel, {});
-    if (table) return std::optional(std::move(*table));
-    if (table.error().code != ErrorCode::unsupported) return table.error();
-    progress.clear();
-    std::fprintf(stderr, "limn: %s: goes without texture coordinates: %s\n", printable(options.model).c_str(),
-                 table.error().message.c_str());
-    return std::optional<PatchTable>();
-}
-
-Result<TessellatedModel> build_model(const Options& options, const LoadedModel& loaded, Progress& progress) {
-    progress.show("building the patch table of " + plural(loaded.mesh.face_count(), "face"));
-    Result<PatchTable> patches = build_patch_table<float>(loaded.mesh, {});
-    if (!patches) return patches.error();
-    Result<std::optional<PatchTable>> texture = build_texture(options, loaded, progress);
-    if (!texture) return texture.error();
-    const uint32_t channels[] = {0};  // models have no others
-    TessellationTableOptions table_options;
-    if (*texture) table_options.channels = channels;
-    Result<TessellationTable> table = build_tessellation_table(loaded.mesh, table_options);
-    if (!table) return table.error();
-    return TessellatedModel{std::move(*patches), std::move(*table), loaded.model.positions,
-                            std::move(*texture), loaded.model.texture_coordinates};
-}
-
 Result<void> write_mesh(const std::string& path, const TriangleMesh& mesh) {
     MeshOutput output;
     output.positions = mesh.positions;
@@ -173,31 +139,31 @@ Result<void> write_mesh(const std::string& path, const TriangleMesh& mesh) {
 }
 
 /// Errors that are about the model name it.
-Result<TriangleMesh> make_mesh(const Options& options, const LoadedModel& loaded, const RunDevice& device,
+Result<TriangleMesh> make_mesh(const Options& options, const ModelTables& model, const RunDevice& device,
                                Progress& progress) {
     const auto name_model = [&](const Error& error) {
         Error named = error;
         named.message = printable(options.model) + ": " + error.message;
         return named;
     };
-    const Result<TessellatedModel> model = build_model(options, loaded, progress);
-    if (!model) return name_model(model.error());
+    TessellationRequest request = {settings_of(options, model.positions()), options.max_triangles};
+    if (auto limited = limit_rates(model.mesh(), request.settings); !limited) return name_model(limited.error());
     const Result<TessellationRunner> runner = TessellationRunner::create(device);
     if (!runner) return runner.error();
     progress.show("tessellating on " + runner->name());
-    Result<TriangleMesh> mesh =
-        runner->run(*model, {settings_of(options, loaded.model.positions), options.max_triangles});
+    Result<TriangleMesh> mesh = runner->run(model.mesh(), request);
     if (!mesh) return name_model(mesh.error());
     return mesh;
 }
 
 Result<void> tessellate_model(const Options& options, Progress& progress) {
-    progress.show("reading " + options.model);
-    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
-    if (!loaded) return loaded.error();
+    BakeOptions bake;
+    bake.max_rate = max_rate_of(options);
+    const Result<ModelTables> model = ModelTables::load(options.model, options.surface, options.uv, bake, progress);
+    if (!model) return model.error();
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
-    const Result<TriangleMesh> mesh = make_mesh(options, *loaded, *device, progress);
+    const Result<TriangleMesh> mesh = make_mesh(options, *model, *device, progress);
     if (!mesh) return mesh.error();
     if (auto silent = device->check_validation(); !silent) return silent;
     progress.show("writing " + options.output);
@@ -278,7 +244,7 @@ void add_tessellate(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
     CLI::App* command =
         program.add_subcommand("tessellate", "Tessellate the limit surface and write it as OBJ, PLY or glTF");
-    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("MODEL", options->model, "OBJ file, or one of limn bake")->required();
     command->add_option("-o,--output", options->output, "File to write: .obj, .ply (binary) or .glb")
         ->required()
         ->check([](const std::string& path) {
@@ -288,13 +254,7 @@ void add_tessellate(CLI::App& program, int& status) {
         });
     add_rate_options(*command, *options);
     add_camera_options(*command, *options);
-    command
-        ->add_option("--uv", options->uv, "Texture coordinates: 0, the model's; none; auto: 0 if it has them")
-        ->check([](const std::string& text) {
-            const bool good = text == "none" || text == "auto" || parse_number<uint32_t>(text);
-            return good ? std::string() : "takes a channel's number, none or auto, not '" + text + "'";
-        })
-        ->capture_default_str();
+    add_uv_option(*command, options->uv);
     add_surface_options(*command, options->surface);
     add_device_option(*command, options->device);
     command->footer(
@@ -302,8 +262,9 @@ void add_tessellate(CLI::App& program, int& status) {
         "shared, but for those on creases, which have a normal for each side, and those on seams of texture\n"
         "coordinates: copies have positions of the same bits.\n"
         "Pixels are those of --camera and --size.");
-    command->callback([options, &status] {
+    command->callback([options, command, &status] {
         check_usage(*options);
+        check_baked_usage(*command, options->model, {"--uv"});
         status = run(*options);
     });
 }

@@ -60,21 +60,21 @@ struct HostRates {
 };
 
 /// At one scale. Errors: as compute_rates, not_finite.
-Result<HostRates> rates_at(const TessellatedModel& model, const RateSettings& settings,
+Result<HostRates> rates_at(const BakedMesh& model, const RateSettings& settings,
                            std::span<const double> points, double scale) {
     Result<std::vector<uint32_t>> rates =
-        compute_rates(model.patches, model.table, settings, points, {}, scale);
+        compute_rates(model.patches, model.tessellation, settings, points, {}, scale);
     if (!rates) return rates.error();
-    for (uint32_t e = 0; e < model.table.rate_edge_count; ++e)
+    for (uint32_t e = 0; e < model.tessellation.rate_edge_count; ++e)
         if ((*rates)[e] == 0 &&
-            model.table.rate_edges[size_t{e} * shared::kRateEdgeWords] != shared::kNoRateEdge)
+            model.tessellation.rate_edges[size_t{e} * shared::kRateEdgeWords] != shared::kNoRateEdge)
             return surface_not_finite();
-    const Counts counts = count_tessellation(model.table, *rates, settings.spacing);
+    const Counts counts = count_tessellation(model.tessellation, *rates, settings.spacing);
     return HostRates{std::move(*rates), scale, counts};
 }
 
 /// At the largest scale that fits, to a fraction of a percent.
-Result<HostRates> fitting_rates(const TessellatedModel& model, const TessellationRequest& request,
+Result<HostRates> fitting_rates(const BakedMesh& model, const TessellationRequest& request,
                                 std::span<const double> points) {
     const auto at = [&](double scale) { return rates_at(model, request.settings, points, scale); };
     Result<HostRates> best = at(1);
@@ -139,27 +139,24 @@ struct DeviceBuffers {
     vk::Buffer positions, normals, texture, indices, command, result;
 };
 
-Result<DeviceModel> upload_model(const SurfaceRunner& surfaces, const vk::Device& device,
-                                 const TessellatedModel& model, uint32_t max_rate) {
+std::span<const float> values_of(const Array<float>& values) {
+    return {values.data(), values.size()};
+}
+
+Result<DeviceModel> upload_model(const SurfaceRunner& surfaces, const vk::Device& device, const BakedMesh& model) {
     DeviceModel out;
-    Result<PatchTreeTable> trees = build_patch_trees(model.patches, {.max_rate = max_rate});
-    if (!trees) return trees.error();
-    std::optional<PatchTreeTable> texture_trees;
     std::vector<const PatchTreeTable*> channels;
-    if (model.texture) {
-        Result<PatchTreeTable> built = build_patch_trees(*model.texture, {.max_rate = max_rate});
-        if (!built) return built.error();
-        texture_trees.emplace(std::move(*built));
-        channels.push_back(&*texture_trees);
-        Result<RunSurface> texture = surfaces.prepare(*model.texture, model.texture_points, 2);
+    if (const BakedChannel* channel = texture_of(model)) {
+        channels.push_back(&channel->trees);
+        Result<RunSurface> texture = surfaces.prepare(channel->patches, values_of(channel->values), 2);
         if (!texture) return texture.error();
         out.texture.emplace(std::move(*texture));
     }
-    Result<RunSurface> surface = surfaces.prepare(model.patches, model.control_points, 3);
+    Result<RunSurface> surface = surfaces.prepare(model.patches, values_of(model.positions), 3);
     if (!surface) return surface.error();
     out.surface = std::move(*surface);
     Result<vk::DeviceTessellationTable> table =
-        vk::upload_tessellation_table(device, model.table, *trees, channels);
+        vk::upload_tessellation_table(device, model.tessellation, model.trees, channels);
     if (!table) return table.error();
     out.table = std::move(*table);
     return out;
@@ -314,17 +311,17 @@ Result<TessellationRunner> TessellationRunner::create(const RunDevice& device) {
     return runner;
 }
 
-Result<TriangleMesh> TessellationRunner::run_on_host(const TessellatedModel& model,
+Result<TriangleMesh> TessellationRunner::run_on_host(const BakedMesh& model,
                                                      const TessellationRequest& request) const {
     if (request.settings.cull_outside || request.settings.cull_backfaces)
         return Error{ErrorCode::unsupported, "the host does not cull"};
-    const Result<RunSurface> surface = surfaces_->prepare(model.patches, model.control_points, 3);
+    const Result<RunSurface> surface = surfaces_->prepare(model.patches, values_of(model.positions), 3);
     if (!surface) return surface.error();
     const Result<HostRates> rates = fitting_rates(model, request, surface->host_points);
     if (!rates) return rates.error();
-    if (auto checked = check_size(rates->counts, model.texture.has_value(), nullptr); !checked)
+    if (auto checked = check_size(rates->counts, texture_of(model) != nullptr, nullptr); !checked)
         return checked.error();
-    Result<Tessellation> tessellation = tessellate(model.table, rates->rates, request.settings.spacing);
+    Result<Tessellation> tessellation = tessellate(model.tessellation, rates->rates, request.settings.spacing);
     if (!tessellation) return tessellation.error();
 
     const size_t count = tessellation->vertex_count();
@@ -334,35 +331,35 @@ Result<TriangleMesh> TessellationRunner::run_on_host(const TessellatedModel& mod
     mesh.rate_scale = rates->scale;
     mesh.positions = to_floats(positions);
     mesh.normals = to_floats(normals);
-    if (model.texture) {
-        const Result<RunSurface> texture = surfaces_->prepare(*model.texture, model.texture_points, 2);
+    if (const BakedChannel* channel = texture_of(model)) {
+        const Result<RunSurface> texture = surfaces_->prepare(channel->patches, values_of(channel->values), 2);
         if (!texture) return texture.error();
         std::vector<double> values(2 * count);
-        evaluate_tessellation_channel(*model.texture, *tessellation, texture->host_points, 2, values);
+        evaluate_tessellation_channel(channel->patches, *tessellation, texture->host_points, 2, values);
         mesh.texture_coordinates = to_floats(values);
     }
     mesh.indices = std::move(tessellation->indices);
     return mesh;
 }
 
-Result<TriangleMesh> TessellationRunner::run_on_device(const TessellatedModel& model,
+Result<TriangleMesh> TessellationRunner::run_on_device(const BakedMesh& model,
                                                        const TessellationRequest& request) const {
     const vk::Device& device = *device_->vulkan();
     const RateSettings& settings = request.settings;
-    const Result<DeviceModel> uploaded = upload_model(*surfaces_, device, model, settings.max_rate);
+    const Result<DeviceModel> uploaded = upload_model(*surfaces_, device, model);
     if (!uploaded) return uploaded.error();
     Result<Counts> capacity = count_on_device(device, *tessellator_, *uploaded, settings);
     if (!capacity) return capacity.error();
     const bool scaled = request.max_triangles && capacity->triangles > *request.max_triangles;
     // By Euler's formula a face of n triangles has at most n vertices that are no corners of its own.
     if (scaled)
-        *capacity = {uint64_t{model.table.corner_count} + *request.max_triangles, *request.max_triangles};
-    if (auto checked = check_size(*capacity, model.texture.has_value(), &device); !checked)
+        *capacity = {uint64_t{model.tessellation.corner_count} + *request.max_triangles, *request.max_triangles};
+    if (auto checked = check_size(*capacity, texture_of(model) != nullptr, &device); !checked)
         return checked.error();
     return tessellate_within(device, *tessellator_, *uploaded, settings, *capacity, scaled);
 }
 
-Result<TriangleMesh> TessellationRunner::run(const TessellatedModel& model,
+Result<TriangleMesh> TessellationRunner::run(const BakedMesh& model,
                                              const TessellationRequest& request) const {
     Result<TriangleMesh> mesh =
         device_->is_host() ? run_on_host(model, request) : run_on_device(model, request);

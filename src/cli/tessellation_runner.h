@@ -1,21 +1,12 @@
 // Where commands tessellate: a Vulkan device, or limn's own code on the host.
 #pragma once
 
+#include "cli/model_tables.h"
 #include "cli/surface_runner.h"
 #include "limn/tessellate.h"
 #include "limn/vulkan/tessellator.h"
 
 namespace limn::cli {
-
-/// A model's tables, and the control points that they are over, which the caller keeps alive.
-struct TessellatedModel {
-    PatchTable patches;
-    TessellationTable table;
-    std::span<const float> control_points;  ///< 3 floats each
-    /// Of the face-varying channel, the only one that `table` was built with, where there is one.
-    std::optional<PatchTable> texture;
-    std::span<const float> texture_points;  ///< 2 floats each
-};
 
 struct TessellationRequest {
     RateSettings settings;
@@ -41,15 +32,15 @@ class TessellationRunner {
     const std::string& name() const { return device_->name(); }
 
     /// Counts before it allocates. The host gives the triangles that devices do, but for rates that roundings
-    /// decide, and where max_triangles binds. Errors: as check_rate_settings and build_patch_trees;
+    /// decide, and where max_triangles binds. Errors: as check_rate_settings;
     /// unsupported (culling on the host); not_finite (the surface); invalid_argument (max_triangles is too
     /// small); too_large (2^32 indices, 2^31 vertices, more than there is memory for); out_of_memory,
     /// vulkan_failure.
-    Result<TriangleMesh> run(const TessellatedModel& model, const TessellationRequest& request) const;
+    Result<TriangleMesh> run(const BakedMesh& model, const TessellationRequest& request) const;
 
   private:
-    Result<TriangleMesh> run_on_host(const TessellatedModel& model, const TessellationRequest& request) const;
-    Result<TriangleMesh> run_on_device(const TessellatedModel& model,
+    Result<TriangleMesh> run_on_host(const BakedMesh& model, const TessellationRequest& request) const;
+    Result<TriangleMesh> run_on_device(const BakedMesh& model,
                                        const TessellationRequest& request) const;
 
     const RunDevice* device_ = nullptr;

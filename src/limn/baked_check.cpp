@@ -415,6 +415,12 @@ struct TessellationCheck {
         const uint32_t a = t.row_copies[2 * i], b = t.row_copies[2 * i + 1];
         return a < t.row_count && b < t.row_count && row(a)[0] == row(b)[0];
     }
+    bool good_instances() const {
+        const Array<uint32_t>& first = t.instance_faces;
+        if (first.empty()) return true;
+        return first[0] == 0 && first[first.size() - 1] == t.face_count &&
+               all_of(first.size() - 1, [&](size_t i) { return first[i] <= first[i + 1]; });
+    }
 };
 
 Cause check_tessellation(const TessellationTable& t) {
@@ -426,7 +432,7 @@ Cause check_tessellation(const TessellationTable& t) {
     if (!all_of(t.face_count, [&](size_t f) { return check.good_face(f); })) return "a face has no such sides or corners";
     if (!all_below(t.corner_copies, t.corner_count)) return "a corner is a copy of none";
     if (!all_of(t.row_copy_count(), [&](size_t i) { return check.good_row_copy(i); })) return "a row is a copy of none";
-    return nullptr;
+    return check.good_instances() ? nullptr : "its instances are not all of its faces, in order";
 }
 
 /// What is drawn has a surface in the other table.

@@ -11,7 +11,7 @@
 
 namespace limn {
 
-inline constexpr uint32_t kBakedVersion = 1;
+inline constexpr uint32_t kBakedVersion = 2;
 inline constexpr uint32_t kBakedByteOrder = 0x01020304;
 inline constexpr size_t kBakedAlignment = 64;
 /// As in PNG: not text, and told from what a transfer as text makes of it.
@@ -78,7 +78,7 @@ void visit_tessellation(auto& visit, auto& t) {
     visit_options(visit, t.options);
     for (auto* count : {&t.face_count, &t.rate_edge_count, &t.mesh_edge_count, &t.row_count, &t.corner_count})
         visit.value(*count, largest_of(*count));
-    for (auto* array : {&t.faces, &t.rows, &t.corners, &t.rate_edges, &t.corner_copies, &t.row_copies})
+    for (auto* array : {&t.faces, &t.rows, &t.corners, &t.rate_edges, &t.corner_copies, &t.row_copies, &t.instance_faces})
         visit.array(*array);
 }
 

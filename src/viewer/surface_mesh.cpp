@@ -45,10 +45,10 @@ struct SurfaceMesh::State {
     std::optional<vk::Tessellation> tessellation;
     std::optional<vk::HardwareTessellation> hardware;
 
-    Result<void> upload_tables(const ControlMesh& mesh);
+    Result<void> upload_tables(const BakedMesh& tables);
     Result<void> prepare_hardware(const SurfaceMeshOptions& wanted);
     Result<void> prepare_triangles(const SurfaceMeshOptions& wanted, uint32_t triangles);
-    Result<void> create_buffers(const ControlMesh& mesh, std::span<const float> positions);
+    Result<void> create_buffers(const BakedMesh& tables);
     uint64_t max_vertices() const {
         return device->properties.limits.maxStorageBufferRange / (kVertexFloats * sizeof(float));
     }
@@ -57,31 +57,24 @@ struct SurfaceMesh::State {
     void record_vertices(VkCommandBuffer commands, PassTimer* timer) const;
 };
 
-Result<void> SurfaceMesh::State::upload_tables(const ControlMesh& mesh) {
-    const auto patch_table = build_patch_table<float>(mesh, {});
-    if (!patch_table) return patch_table.error();
-    const auto tessellation_table = build_tessellation_table(mesh, {});
-    if (!tessellation_table) return tessellation_table.error();
-    const auto trees = build_patch_trees(*patch_table, {});
-    if (!trees) return trees.error();
-    auto uploaded_patches = vk::upload_patch_table(*device, *patch_table);
+Result<void> SurfaceMesh::State::upload_tables(const BakedMesh& tables) {
+    auto uploaded_patches = vk::upload_patch_table(*device, tables.patches);
     if (!uploaded_patches) return uploaded_patches.error();
-    auto uploaded_table = vk::upload_tessellation_table(*device, *tessellation_table, *trees);
+    auto uploaded_table = vk::upload_tessellation_table(*device, tables.tessellation, tables.trees);
     if (!uploaded_table) return uploaded_table.error();
     patches = std::move(*uploaded_patches);
     table = std::move(*uploaded_table);
     return {};
 }
 
-Result<void> SurfaceMesh::State::create_buffers(const ControlMesh& mesh, std::span<const float> positions) {
-    const Topology topology = build_topology(mesh);
-    segment_count = topology.edge_count;
+Result<void> SurfaceMesh::State::create_buffers(const BakedMesh& tables) {
+    segment_count = static_cast<uint32_t>(tables.edges.size() / 2);
     const struct {
         vk::Buffer& place;
         uint64_t words;
         VkBufferUsageFlags usage;
     } buffers[] = {{points, uint64_t{3} * patches.point_count, 0},
-                   {segments, topology.edge_vertices.size(), 0},
+                   {segments, tables.edges.size(), 0},
                    {command, 5, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT},
                    {result, sizeof(vk::TessellationResult) / sizeof(uint32_t), 0},
                    {face_rates, table.face_count, 0}};
@@ -90,9 +83,10 @@ Result<void> SurfaceMesh::State::create_buffers(const ControlMesh& mesh, std::sp
         if (!buffer) return buffer.error();
         place = std::move(*buffer);
     }
+    const std::span<const float> positions(tables.positions.data(), tables.positions.size());
     if (auto done = vk::upload_bytes(*device, points, 0, std::as_bytes(positions)); !done)
         return done.error();
-    const std::span<const uint32_t> pairs(topology.edge_vertices.data(), topology.edge_vertices.size());
+    const std::span<const uint32_t> pairs(tables.edges.data(), tables.edges.size());
     return vk::upload_bytes(*device, segments, 0, std::as_bytes(pairs));
 }
 
@@ -125,6 +119,23 @@ Result<SurfaceKernels> SurfaceKernels::create(const vk::Device& device, bool has
 Result<SurfaceMesh> SurfaceMesh::create(const vk::Device& device, const SurfaceKernels& kernels,
                                         const ControlMesh& mesh, std::span<const float> positions,
                                         const SurfaceMeshOptions& options) {
+    BakedMesh tables;
+    auto patches = build_patch_table<float>(mesh, {});
+    if (!patches) return patches.error();
+    auto trees = build_patch_trees(*patches, {});
+    if (!trees) return trees.error();
+    auto tessellation = build_tessellation_table(mesh, {});
+    if (!tessellation) return tessellation.error();
+    tables.patches = std::move(*patches);
+    tables.trees = std::move(*trees);
+    tables.tessellation = std::move(*tessellation);
+    tables.positions = Array<float>::borrow(positions.data(), positions.size());
+    tables.edges = build_topology(mesh).edge_vertices;
+    return create(device, kernels, tables, options);
+}
+
+Result<SurfaceMesh> SurfaceMesh::create(const vk::Device& device, const SurfaceKernels& kernels,
+                                        const BakedMesh& tables, const SurfaceMeshOptions& options) {
     SurfaceMesh out;
     State& state = *out.state_;
     state.device = &device;
@@ -132,8 +143,8 @@ Result<SurfaceMesh> SurfaceMesh::create(const vk::Device& device, const SurfaceK
     auto pass = ComputePass::create(device, kFaceRatesComp, 3, sizeof(FaceRatesParams));
     if (!pass) return pass.error();
     state.face_rates_pass.emplace(std::move(*pass));
-    if (auto done = state.upload_tables(mesh); !done) return done.error();
-    if (auto done = state.create_buffers(mesh, positions); !done) return done.error();
+    if (auto done = state.upload_tables(tables); !done) return done.error();
+    if (auto done = state.create_buffers(tables); !done) return done.error();
     auto level1 = kernels.evaluator.prepare_points(
         {.patches = &state.patches, .points = {.buffer = state.points.handle}});
     if (!level1) return level1.error();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "limn/baked_mesh.h"
 #include "limn/control_mesh.h"
 #include "limn/vulkan/hardware_tessellation.h"
 #include "limn/vulkan/surface_evaluator.h"
@@ -41,8 +42,11 @@ struct SurfaceMeshOptions {
 /// Owns tables and buffers. Nothing recorded may be pending when it is changed or destroyed.
 class SurfaceMesh {
   public:
-    /// `device` and `kernels` outlive it. Errors: as the builders of its tables, out_of_memory,
+    /// Of tables that are there: built, or in a baked file. `device` and `kernels` outlive it. Errors: out_of_memory,
     /// vulkan_failure.
+    static Result<SurfaceMesh> create(const vk::Device& device, const SurfaceKernels& kernels, const BakedMesh& tables,
+                                      const SurfaceMeshOptions& options);
+    /// The same of a mesh, whose tables it builds. Errors: those of the builders, too.
     static Result<SurfaceMesh> create(const vk::Device& device, const SurfaceKernels& kernels,
                                       const ControlMesh& mesh, std::span<const float> positions,
                                       const SurfaceMeshOptions& options);
