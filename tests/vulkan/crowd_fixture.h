@@ -26,7 +26,8 @@ inline std::vector<float> points_of(const PatchTable& table, const std::vector<f
     return {points.begin(), points.end()};
 }
 
-inline Surfaces surfaces_of(const TestMesh& shape) {
+/// With the first face-varying channel where that is asked for, and there is one.
+inline Surfaces surfaces_of(const TestMesh& shape, bool channel = false) {
     static const PlanCache cache;
     const auto mesh = ControlMesh::create(shape.description());
     EXPECT_TRUE(mesh) << shape.name;
@@ -35,7 +36,7 @@ inline Surfaces surfaces_of(const TestMesh& shape) {
                  shape.positions,
                  {}};
     out.points = points_of(out.patches, out.control);
-    if (shape.channels.empty()) return out;
+    if (!channel || shape.channels.empty()) return out;
     out.topology = *build_tessellation_table(*mesh, {.channels = std::vector<uint32_t>{0}});
     out.channel = *build_face_varying_patch_table<float>(*mesh, 0, {}, &cache);
     out.channel_control = shape.channels[0].values;

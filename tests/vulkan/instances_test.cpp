@@ -79,7 +79,7 @@ void InstancesOnDevice::expect_instances_as_alone(const std::vector<Surfaces>& a
 
 std::vector<Surfaces> all_surfaces_of(const std::vector<TestMesh>& shapes) {
     std::vector<Surfaces> all;
-    for (const TestMesh& shape : shapes) all.push_back(surfaces_of(shape));
+    for (const TestMesh& shape : shapes) all.push_back(surfaces_of(shape, true));
     return all;
 }
 std::vector<Surfaces> four_meshes() {
