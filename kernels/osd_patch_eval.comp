@@ -72,7 +72,12 @@ uint group_basis(uint type, uint group, uint boundary, float u, float v, out Jet
     if (osd_is_type(kTypes, type, kOsdLoop)) {
         Jet box[20];
         osd_box_spline_basis(boundary, u, v, box);
-        for (int i = 0; i < 6; ++i) basis[i] = box[6 * group + i];
+        for (int i = 0; i < 6; ++i) {
+            if (group == 0)
+                basis[i] = box[i];
+            else
+                basis[i] = box[6 + i];
+        }
         return 6;
     }
     if (osd_is_type(kTypes, type, kOsdQuads) || osd_is_type(kTypes, type, kOsdTriangles)) {

@@ -187,15 +187,13 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
     std::set<int> types_;
 };
 
-// Every shape is osd_patch_test.cpp's, in double; here every tenth that is not Loop's goes through the
-// device, for drivers take long to compile.
+// Every shape is osd_patch_test.cpp's, in double; here every tenth goes through the device.
 TEST_F(OsdEvaluatorTest, shapes_are_evaluated_as_by_opensubdiv) {
     refine_on_device_ = false;  // for that there are tests of stencils; here are patches
     const std::vector<TestMesh> shapes = limn::test::all_shapes();
     int n = 0;
     for (size_t i = 0; i < shapes.size(); i += 10) {
         const TestMesh& mesh = shapes[i];
-        if (mesh.options.scheme == Scheme::loop) continue;
         const bool triangles = mesh.options.scheme == Scheme::loop;
         const int caps[] = {kUniform, Options::ENDCAP_BSPLINE_BASIS, Options::ENDCAP_GREGORY_BASIS,
                             Options::ENDCAP_BILINEAR_BASIS};  // evaluators do not take legacy Gregory patches
@@ -214,7 +212,7 @@ TEST_F(OsdEvaluatorTest, shapes_are_evaluated_as_by_opensubdiv) {
                 << mesh.name << ", channel " << channel;
     }
     std::printf("%zu coordinates in %d shapes\n", coordinate_count_, n);
-    for (const int type : {3, 6, 9}) EXPECT_TRUE(types_.count(type)) << "no patch of type " << type;
+    for (const int type : {3, 4, 5, 6, 9, 10}) EXPECT_TRUE(types_.count(type)) << "no patch of type " << type;
 }
 
 TEST_F(OsdEvaluatorTest, primvars_have_any_length_offset_and_stride) {

@@ -89,6 +89,18 @@ LIMN_FN void osd_fold_point(LIMN_INOUT_ARRAY(Jet, basis, 20), int p, int q, int 
     osd_fold(basis, p, s, real(-1));
     basis[p] = jet_scale(real(0), basis[p]);
 }
+// One whose r and s are others where two boundaries meet (`meet`). By factors, not by choosing the index: an index that is
+// not known when a kernel is compiled takes a ladder over all 20 functions, and lavapipe minutes to compile them.
+LIMN_FN void osd_fold_end(LIMN_INOUT_ARRAY(Jet, basis, 20), bool meet, int p, int q, int r, int s, int meeting_r,
+                          int meeting_s) {
+    const real two = real(meet ? 1 : 0), one = real(1) - two;
+    osd_fold(basis, p, q, real(1));
+    osd_fold(basis, p, r, one);
+    osd_fold(basis, p, meeting_r, two);
+    osd_fold(basis, p, s, -one);
+    osd_fold(basis, p, meeting_s, -two);
+    basis[p] = jet_scale(real(0), basis[p]);
+}
 
 // The lower three bits of the mask are edges (the upper two bits are 0), vertices (1), or edges each with the
 // vertex opposite to it (2).
@@ -103,12 +115,9 @@ LIMN_FN void osd_fold_box_spline(uint boundary, LIMN_INOUT_ARRAY(Jet, basis, 20)
         const int next = (k + 1) % 3, last = (k + 2) % 3;
         const int a = own[k], b = own[next], c = own[last];
         if ((edges >> k & 1u) != 0u) {
-            const bool last_too = (edges >> last & 1u) != 0u, next_too = (edges >> next & 1u) != 0u;
-            osd_fold_point(basis, beyond_next[k], a, last_too ? a : beyond_previous[k],
-                           last_too ? c : across[last]);
+            osd_fold_end(basis, (edges >> last & 1u) != 0u, beyond_next[k], a, beyond_previous[k], across[last], a, c);
             osd_fold_point(basis, across[k], a, b, c);
-            osd_fold_point(basis, beyond_previous[next], b, next_too ? b : beyond_next[next],
-                           next_too ? c : across[next]);
+            osd_fold_end(basis, (edges >> next & 1u) != 0u, beyond_previous[next], b, beyond_next[next], across[next], b, c);
         }
         if ((vertices >> k & 1u) != 0u) {
             osd_fold_point(basis, beyond_next[k], a, across[k], b);

@@ -54,8 +54,8 @@ struct VkDeviceContext::Submission {
     std::vector<Held> held;
 
     ~Submission() {
-        if (fence != VK_NULL_HANDLE) device->functions.DestroyFence(device->handle, fence, nullptr);
-        if (pool != VK_NULL_HANDLE) device->functions.DestroyCommandPool(device->handle, pool, nullptr);
+        if (fence != VK_NULL_HANDLE) device->functions.DestroyFence(device->handle, fence, device->host_allocator);
+        if (pool != VK_NULL_HANDLE) device->functions.DestroyCommandPool(device->handle, pool, device->host_allocator);
     }
 
     static Result<std::unique_ptr<Submission>> create(const vk::Device& device) {
@@ -65,7 +65,7 @@ struct VkDeviceContext::Submission {
         pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
         pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
         pool.queueFamilyIndex = device.queue_family_index;
-        VkResult result = device.functions.CreateCommandPool(device.handle, &pool, nullptr, &out->pool);
+        VkResult result = device.functions.CreateCommandPool(device.handle, &pool, device.host_allocator, &out->pool);
         if (result != VK_SUCCESS) return vk::vulkan_error("vkCreateCommandPool", result);
         VkCommandBufferAllocateInfo allocate = {};
         allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
@@ -76,7 +76,7 @@ struct VkDeviceContext::Submission {
         if (result != VK_SUCCESS) return vk::vulkan_error("vkAllocateCommandBuffers", result);
         VkFenceCreateInfo fence = {};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        result = device.functions.CreateFence(device.handle, &fence, nullptr, &out->fence);
+        result = device.functions.CreateFence(device.handle, &fence, device.host_allocator, &out->fence);
         if (result != VK_SUCCESS) return vk::vulkan_error("vkCreateFence", result);
         return out;
     }
