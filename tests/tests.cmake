@@ -188,7 +188,7 @@ if(TARGET limn_opensubdiv)
 endif()
 
 if(TARGET limn_osd)
-    limn_add_test(limn_osd_test osd tests/osd/osd_evaluator_test.cpp tests/conformance/osd_refiner.cpp)
+    limn_add_test(limn_osd_test osd tests/osd/osd_evaluator_test.cpp tests/osd/osd_docs_test.cpp tests/conformance/osd_refiner.cpp)
     target_link_libraries(limn_osd_test PRIVATE limn_osd limn_opensubdiv Vulkan::Vulkan)
     if(LIMN_SANITIZE)  # drivers leak
         set_tests_properties(limn_osd_test PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
@@ -205,9 +205,15 @@ endif()
 add_test(NAME layering COMMAND ${CMAKE_COMMAND}
     "-Dflow=${shared_headers};${limn_files};${vulkan_files};${osd_files}" -P tests/layering.cmake
     WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-add_test(NAME readme COMMAND ${CMAKE_COMMAND} -P tests/readme.cmake WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-add_test(NAME docs_code COMMAND ${CMAKE_COMMAND} -P tests/docs.cmake WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-set_tests_properties(layering readme docs_code PROPERTIES LABELS packaging)
+function(limn_add_snippet name page source marker)
+    add_test(NAME snippet.${name} COMMAND ${CMAKE_COMMAND} -Dpage=${page} -Dsource=${source} -Dmarker=${marker}
+        -P tests/snippets.cmake WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    set_tests_properties(snippet.${name} PROPERTIES LABELS packaging)
+endfunction()
+limn_add_snippet(readme README.md src/example/renderer.cpp readme)
+limn_add_snippet(integrating docs/integrating.md tests/docs/vma_allocator.cpp docs)
+limn_add_snippet(migrating docs/migrating_from_opensubdiv.md tests/osd/osd_docs_test.cpp docs)
+set_tests_properties(layering PROPERTIES LABELS packaging)
 if(LIMN_BUILD_VULKAN)
     add_library(docs_code OBJECT tests/docs/vma_allocator.cpp)
     limn_set_compile_options(docs_code)

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cube.h"
+
 static int failures = 0;
 #define CHECK(condition) \
     do { \
@@ -14,29 +16,14 @@ static int failures = 0;
     } while (0)
 #define REFUSED(call) CHECK((call) == LIMN_ERROR_INVALID_ARGUMENT && error.code == LIMN_ERROR_INVALID_ARGUMENT)
 
-static const uint32_t sizes[6] = {4, 4, 4, 4, 4, 4};
-static const uint32_t faces[24] = {0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4};
-static const double cube[24] = {-1, -1, 1,  1, -1, 1,  -1, 1,  1,  1, 1,  1,
-                                -1, 1,  -1, 1, 1,  -1, -1, -1, -1, 1, -1, -1};
-
-static limn_control_mesh_description describe(void) {
-    limn_control_mesh_description d;
-    memset(&d, 0, sizeof d);
-    d.struct_size = sizeof d;
-    d.vertex_count = 8;
-    d.face_sizes = sizes;
-    d.face_count = 6;
-    d.face_vertices = faces;
-    d.face_vertex_count = 24;
-    return d;
-}
+static const double cube[24] = CUBE_POINTS;
 
 static void test_descriptions(void) {
     struct {
         limn_control_mesh_description known;
         uint64_t later;
     } newer;
-    limn_control_mesh_description d = describe();
+    limn_control_mesh_description d = describe_cube();
     limn_control_mesh* mesh = (limn_control_mesh*)&d;
     limn_error error;
     memset(&error, 0, sizeof error);
@@ -45,21 +32,21 @@ static void test_descriptions(void) {
     REFUSED(limn_control_mesh_create(&d, NULL, &error));
     d.struct_size = 0;
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
-    d = describe();
+    d = describe_cube();
     d.face_sizes = NULL;
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
     CHECK(strcmp(error.message, "face_sizes is null") == 0);
-    d = describe();
+    d = describe_cube();
     d.scheme = 3;
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
-    d = describe();
+    d = describe_cube();
     d.flags = 4;
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
-    d = describe();
+    d = describe_cube();
     d.vertex_count = 7;
     CHECK(limn_control_mesh_create(&d, &mesh, &error) == LIMN_ERROR_INDEX_OUT_OF_RANGE && error.element == 2);
     CHECK(limn_control_mesh_create(&d, &mesh, NULL) == LIMN_ERROR_INDEX_OUT_OF_RANGE);
-    newer.known = describe();
+    newer.known = describe_cube();
     newer.known.struct_size = sizeof newer;
     newer.later = 1;
     CHECK(limn_control_mesh_create(&newer.known, &mesh, &error) == LIMN_ERROR_UNSUPPORTED && mesh == NULL);
@@ -69,7 +56,7 @@ static void test_descriptions(void) {
 }
 
 static void test_surface(void) {
-    const limn_control_mesh_description d = describe();
+    const limn_control_mesh_description d = describe_cube();
     limn_control_mesh* mesh = NULL;
     limn_plan_cache* cache = NULL;
     limn_patch_table* table = NULL;
@@ -137,7 +124,7 @@ static void test_baked_file(void) {
     static const char path[] = "limn_c_test.limn";
     static const float positions[24] = {-1, -1, 1,  1, -1, 1,  -1, 1,  1,  1, 1,  1,
                                         -1, 1,  -1, 1, 1,  -1, -1, -1, -1, 1, -1, -1};
-    limn_control_mesh_description d = describe();
+    limn_control_mesh_description d = describe_cube();
     limn_control_mesh* mesh;
     limn_patch_table* table;
     limn_baked_file* file = NULL;

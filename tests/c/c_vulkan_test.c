@@ -6,6 +6,8 @@
 #include <string.h>
 #include <vulkan/vulkan.h>
 
+#include "cube.h"
+
 #define CHECK(condition) \
     do { \
         if (!(condition)) { \
@@ -16,10 +18,7 @@
 
 enum { RATE = 6, TRIANGLES = 6 * 2 * RATE * RATE, VERTICES = 6 * RATE * RATE + 2, MAX_POINTS = 256 };
 
-static const uint32_t sizes[6] = {4, 4, 4, 4, 4, 4};
-static const uint32_t faces[24] = {0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4};
-static const float cube[24] = {-1, -1, 1,  1, -1, 1,  -1, 1,  1,  1, 1,  1,
-                               -1, 1,  -1, 1, 1,  -1, -1, -1, -1, 1, -1, -1};
+static const float cube[24] = CUBE_POINTS;
 
 /* All that the device writes and reads here, in one host-visible buffer. */
 typedef struct memory {
@@ -117,14 +116,7 @@ typedef struct tables {
 static int build_tables(tables* t) {
     limn_error error = {0};
     limn_patch_table_info info;
-    limn_control_mesh_description d;
-    memset(&d, 0, sizeof d);
-    d.struct_size = sizeof d;
-    d.vertex_count = 8;
-    d.face_sizes = sizes;
-    d.face_count = 6;
-    d.face_vertices = faces;
-    d.face_vertex_count = 24;
+    const limn_control_mesh_description d = describe_cube();
     CHECK(limn_control_mesh_create(&d, &t->mesh, &error) == LIMN_SUCCESS);
     CHECK(limn_patch_table_create(t->mesh, NULL, NULL, &t->patches, &error) == LIMN_SUCCESS);
     CHECK(limn_patch_trees_create(t->patches, NULL, &t->trees, &error) == LIMN_SUCCESS);

@@ -165,12 +165,12 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
         coordinate_count_ += coords.size();
         for (int a = 0; a < tables.patches->GetNumPatchArrays(); ++a)
             types_.insert(tables.patches->GetPatchArrayDescriptor(a).GetType());
-        const Results theirs = run<CpuTypes>(primvar, *tables.patches, coords, nullptr);
+        const Results theirs = run_program<CpuTypes>(primvar, *tables.patches, coords, nullptr);
         if (!refine_on_device_) {
             primvar.control = theirs.points;
             primvar.stencils = nullptr;
         }
-        const Results ours = run<VkTypes>(primvar, *tables.patches, coords, context_.get());
+        const Results ours = run_program<VkTypes>(primvar, *tables.patches, coords, context_.get());
         if (!theirs.ok || !ours.ok) return testing::AssertionFailure() << context_->GetError().message;
         const double tolerance = vk::test::tolerance_of(theirs.points, static_cast<size_t>(primvar.stride));
         for (size_t i = 0; i < theirs.points.size(); ++i)
@@ -326,7 +326,7 @@ TEST_F(OsdEvaluatorTest, recording_gives_the_same_bits_as_submitting) {
     std::vector<int> depths;
     const auto coords = make_coords(*tables.patches, false, 1000, depths);
     const Primvar primvar = {Kind::vertex, 0, 3, 3, 0, far_stencils.get(), mesh.positions};
-    const Results submitted = run<VkTypes>(primvar, *tables.patches, coords, context_.get());
+    const Results submitted = run_program<VkTypes>(primvar, *tables.patches, coords, context_.get());
     ASSERT_TRUE(submitted.ok);
 
     const int count = static_cast<int>(coords.size()), control = static_cast<int>(mesh.vertex_count);

@@ -76,7 +76,7 @@ inline const std::vector<float>& marked(std::vector<float>& values) {
 
 /// Refines control points into the same buffer, and evaluates patches at the coordinates.
 template <class Types>
-Results run(const Primvar& primvar, const Far::PatchTable& far_patches,
+Results run_program(const Primvar& primvar, const Far::PatchTable& far_patches,
             const std::vector<Osd::PatchCoord>& coords, typename Types::DeviceContext* context) {
     using Buffer = typename Types::VertexBuffer;
     using Evaluator = typename Types::Evaluator;

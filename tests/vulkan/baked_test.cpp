@@ -17,41 +17,9 @@ struct Frame {
 
 class BakedOnDevice : public TessellatorTest {
   protected:
-    Buffer words(size_t count) {
-        Buffer buffer = *create_buffer(device(), 4 * std::max<size_t>(count, 4), kPointUsage, MemoryUse::device);
-        const Words filled(std::max<size_t>(count, 4), 7);
-        EXPECT_TRUE(upload_bytes(device(), buffer, 0, std::as_bytes(std::span(filled))));
-        return buffer;
-    }
-    template <class Record>
-    void run(const Record& record) {
-        Result<Commands> commands = Commands::begin(device());
-        record(commands->handle());
-        record_barrier(device(), *commands, kKernelWrites, kKernelReads);
-        EXPECT_TRUE(commands->submit_and_wait());
-    }
-    Words read(Buffer& buffer, size_t count) { return *download<uint32_t>(device(), buffer, count); }
-
-    void evaluate_grid(const GridTable& table, const DevicePatchTable& patches, const Buffer& points, Frame& out);
     void evaluate_triangles(const BakedMesh& mesh, const DevicePatchTable& patches, const Buffer& points, Frame& out);
     Frame evaluate(const BakedMesh& mesh);
 };
-
-void BakedOnDevice::evaluate_grid(const GridTable& table, const DevicePatchTable& patches, const Buffer& points,
-                                  Frame& out) {
-    const DeviceGridTable grid = *upload_grid_table(device(), table);
-    const size_t count = 3 * grid.sample_count();
-    Buffer values = words(count), normals = words(count);
-    const auto evaluation = surfaces_->prepare_grid({.patches = &patches,
-                                                     .grid = &grid,
-                                                     .points = {.buffer = points.handle},
-                                                     .values = {.buffer = values.handle},
-                                                     .normals = {.buffer = normals.handle}});
-    ASSERT_TRUE(evaluation);
-    run([&](VkCommandBuffer commands) { evaluation->record(commands); });
-    out.grid = read(values, count);
-    out.grid_normals = read(normals, count);
-}
 
 void BakedOnDevice::evaluate_triangles(const BakedMesh& mesh, const DevicePatchTable& patches, const Buffer& points,
                                        Frame& out) {
@@ -90,7 +58,9 @@ Frame BakedOnDevice::evaluate(const BakedMesh& mesh) {
     EXPECT_TRUE(refined);
     run([&](VkCommandBuffer commands) { refined->record(commands); });
     out.points = read(points, size_t{3} * patches.point_count);
-    evaluate_grid(mesh.grids[0], patches, points, out);
+    GridBits grid = evaluate_grid(*upload_grid_table(device(), mesh.grids[0]), patches, points);
+    out.grid = std::move(grid.values);
+    out.grid_normals = std::move(grid.normals);
     evaluate_triangles(mesh, patches, points, out);
     return out;
 }

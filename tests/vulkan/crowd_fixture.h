@@ -97,28 +97,11 @@ struct Request {
 
 class CrowdTest : public TessellatorTest {
   protected:
-    Buffer words(size_t count) {
-        Buffer buffer =
-            *create_buffer(device(), 4 * std::max<size_t>(count, 4), kPointUsage, MemoryUse::device);
-        const std::vector<uint32_t> filled(count, 7);
-        EXPECT_TRUE(upload_bytes(device(), buffer, 0, std::as_bytes(std::span(filled))));
-        return buffer;
-    }
     Buffer filled(std::span<const std::byte> bytes) {
         Buffer buffer =
             *create_buffer(device(), std::max<size_t>(bytes.size(), 16), kPointUsage, MemoryUse::device);
         EXPECT_TRUE(upload_bytes(device(), buffer, 0, bytes));
         return buffer;
-    }
-    template <class Record>
-    void run(const Record& record) {
-        Result<Commands> commands = Commands::begin(device());
-        record(commands->handle());
-        record_barrier(device(), *commands, kKernelWrites, kCopyReads);
-        EXPECT_TRUE(commands->submit_and_wait());
-    }
-    std::vector<uint32_t> read(Buffer& buffer, size_t count) {
-        return *download<uint32_t>(device(), buffer, count);
     }
 
     std::vector<float> read_targets(VkBuffer state, uint32_t count);
@@ -147,18 +130,10 @@ inline void CrowdTest::draw_grid(const Surfaces& s, const DevicePatchTable& patc
                               Drawn& out) {
     const DeviceGridTable grid = *upload_grid_table(
         device(), *build_grid_table(s.patches, {.rate = kGridRate, .samples_per_pass = 20'000}));
-    const size_t count = 3 * grid.sample_count();
-    Buffer values = words(count), normals = words(count);
-    const auto evaluation = surfaces_->prepare_grid({.patches = &patches,
-                                                     .grid = &grid,
-                                                     .points = {.buffer = points.handle},
-                                                     .values = {.buffer = values.handle},
-                                                     .normals = {.buffer = normals.handle}});
-    ASSERT_TRUE(evaluation);
-    run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+    GridBits bits = evaluate_grid(grid, patches, points);
     out.samples_per_face = grid.samples_per_face;
-    out.grid_values = read(values, count);
-    out.grid_normals = read(normals, count);
+    out.grid_values = std::move(bits.values);
+    out.grid_normals = std::move(bits.normals);
 }
 
 inline void CrowdTest::draw_samples(const Surfaces& s, const DevicePatchTable& patches, const Buffer& points,

@@ -49,6 +49,21 @@ void TessellatorTest::SetUp() {
     ASSERT_NE(tessellator_, nullptr);
 }
 
+TessellatorTest::GridBits TessellatorTest::evaluate_grid(const DeviceGridTable& grid, const DevicePatchTable& patches,
+                                                         const Buffer& points) {
+    const size_t count = 3 * grid.sample_count();
+    const Buffer values = words(count), normals = words(count);
+    const auto evaluation = surfaces_->prepare_grid({.patches = &patches,
+                                                     .grid = &grid,
+                                                     .points = {.buffer = points.handle},
+                                                     .values = {.buffer = values.handle},
+                                                     .normals = {.buffer = normals.handle}});
+    EXPECT_TRUE(evaluation);
+    if (!evaluation) return {};
+    run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+    return {read(values, count), read(normals, count)};
+}
+
 void TessellatorTest::pretend_gpu(uint32_t max_range) {
     VulkanTest::pretend_gpu(max_range);
     gpu_surfaces_.emplace(*SurfaceEvaluator::create(device()));

@@ -58,6 +58,12 @@ class TessellatorTest : public VulkanTest {
     void SetUp() override;
     TessellatedShape tessellate_on_device(const limn::test::TestMesh& shape, const TessellationRequest& request);
 
+    /// A grid with normals, bit for bit: 3 floats per sample each.
+    struct GridBits {
+        std::vector<uint32_t> values, normals;
+    };
+    GridBits evaluate_grid(const DeviceGridTable& grid, const DevicePatchTable& patches, const Buffer& points);
+
     /// As VulkanTest's, with evaluators of its own.
     void pretend_gpu(uint32_t max_range = ~0u);
 

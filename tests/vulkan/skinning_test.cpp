@@ -28,13 +28,6 @@ class SkinningOnDevice : public TessellatorTest {
         std::copy(values.begin(), values.end(), all.begin() + skipped);
         return *create_point_buffer(device(), all);
     }
-    template <class Record>
-    void run(const Record& record) {
-        Result<Commands> commands = Commands::begin(device());
-        record(commands->handle());
-        record_barrier(device(), *commands, kKernelWrites, kCopyReads);
-        EXPECT_TRUE(commands->submit_and_wait());
-    }
     /// All floats of the buffer of points.
     std::vector<float> skin(const SkinTable& table, const TestPose& pose);
     void expect_as_host(const SkinTable& table, const TestPose& pose);

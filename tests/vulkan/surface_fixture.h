@@ -75,14 +75,6 @@ class SurfaceTest : public VulkanTest {
                             mesh.positions, 3);
     }
 
-    template <class Record>
-    void run(const Record& record) {
-        Result<Commands> commands = Commands::begin(device());
-        record(commands->handle());
-        record_barrier(device(), *commands, kKernelWrites, kKernelReads);
-        EXPECT_TRUE(commands->submit_and_wait());
-    }
-
     Buffer create_floats(size_t count) {
         Buffer buffer =
             *create_buffer(device(), std::max<size_t>(4, 4 * count), kPointUsage, MemoryUse::device);

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "limn/vulkan/context.h"
+#include "limn/vulkan/buffer.h"
 
 namespace limn::vk::test {
 
@@ -104,6 +104,25 @@ class VulkanTest : public testing::Test {
         as_gpu_->properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_OTHER;
         uint32_t& range = as_gpu_->properties.limits.maxStorageBufferRange;
         range = std::min(range, max_range);
+    }
+
+    /// Records, submits, waits: what kernels wrote is then there for kernels, and for copies to the host.
+    template <class Record>
+    void run(const Record& record) {
+        Result<Commands> commands = Commands::begin(device());
+        record(commands->handle());
+        record_barrier(device(), *commands, kKernelWrites, kKernelReads | kCopyReads);
+        EXPECT_TRUE(commands->submit_and_wait());
+    }
+    /// Four at least, all of them 7.
+    Buffer words(size_t count) {
+        const std::vector<uint32_t> filled(std::max<size_t>(count, 4), 7);
+        Buffer buffer = *create_buffer(device(), 4 * filled.size(), kPointUsage, MemoryUse::device);
+        EXPECT_TRUE(upload_bytes(device(), buffer, 0, std::as_bytes(std::span(filled))));
+        return buffer;
+    }
+    std::vector<uint32_t> read(const Buffer& buffer, size_t count) {
+        return *download<uint32_t>(device(), buffer, count);
     }
 
   private:
