@@ -5,6 +5,7 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/osd/mesh.h>
 
+#include <bit>
 #include <set>
 
 #include "conformance/osd_refiner.h"
@@ -380,6 +381,43 @@ TEST_F(OsdEvaluatorTest, osd_mesh_takes_these_types) {
         stencils->GetControlIndices().data(), stencils->GetWeights().data(), 0, stencils->GetNumStencils()));
     EXPECT_TRUE(vk::test::points_match({{theirs.begin(), theirs.end()}, 3}, {ours, 0, 3},
                                        vk::test::tolerance_of(theirs, 3)));
+}
+
+/// Memory of the device's first type, or none while `fails`.
+struct FailingMemory {
+    const vk::Device* device;
+    bool fails = false;
+    static VkResult allocate(void* user, const VkMemoryRequirements& needs, vk::MemoryUse, vk::MemoryBlock* block) {
+        const FailingMemory& memory = *static_cast<const FailingMemory*>(user);
+        if (memory.fails) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+        VkMemoryAllocateInfo info = {};
+        info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+        info.allocationSize = needs.size;
+        info.memoryTypeIndex = static_cast<uint32_t>(std::countr_zero(needs.memoryTypeBits));
+        const VkResult result = memory.device->functions.AllocateMemory(memory.device->handle, &info, nullptr, &block->memory);
+        if (result != VK_SUCCESS) return result;
+        return memory.device->functions.MapMemory(memory.device->handle, block->memory, 0, VK_WHOLE_SIZE, 0, &block->mapped);
+    }
+    static void free(void* user, const vk::MemoryBlock& block) {
+        const vk::Device& device = *static_cast<const FailingMemory*>(user)->device;
+        device.functions.FreeMemory(device.handle, block.memory, nullptr);
+    }
+};
+
+TEST_F(OsdEvaluatorTest, a_call_that_fails_leaves_the_next_one_whole) {
+    FailingMemory memory{&device()};
+    vk::Device failing = device();
+    failing.allocator = {&memory, FailingMemory::allocate, FailingMemory::free};
+    const Tables tables = make_tables(limn::test::make_cube(), Options::ENDCAP_GREGORY_BASIS, 2);
+    const std::unique_ptr<VkDeviceContext> context(VkDeviceContext::Create(failing));
+    for (const bool fails : {true, true, false}) {
+        memory.fails = fails;
+        const std::unique_ptr<VkPatchTable> table(VkPatchTable::Create(tables.patches.get(), context.get()));
+        EXPECT_EQ(table == nullptr, fails);
+        if (fails) {
+            EXPECT_EQ(context->GetError().code, ErrorCode::out_of_memory);
+        }
+    }
 }
 
 TEST_F(OsdEvaluatorTest, mistakes_are_refused_with_a_reason) {

@@ -183,7 +183,10 @@ bool VkDeviceContext::Execute(const std::function<Result<Held>(VkCommandBuffer)>
     if (!submission) return Fail(submission.error());
     vk::record_barrier(device_, (*submission)->commands, kOthers, kOurs);
     auto held = record((*submission)->commands);
-    if (!held) return Fail(held.error());
+    if (!held) {
+        device_.functions.EndCommandBuffer((*submission)->commands);  // to be begun anew
+        return Fail(held.error());
+    }
     (*submission)->held.push_back(std::move(*held));
     vk::record_barrier(device_, (*submission)->commands, kOurResults, kOthers);
     if (auto ended = end_submission(**submission); !ended) return Fail(ended.error());
