@@ -26,6 +26,11 @@ set(test_files
     tests/c/c_parity_test.cpp
     tests/baked_file_test.cpp
 )
+set(scheme_test_files
+    tests/schemes/scheme_meshes.cpp
+    tests/schemes/scheme_invariants_test.cpp
+    tests/schemes/scheme_goldens_test.cpp
+)
 set(vulkan_test_files
     tests/vulkan/context_test.cpp
     tests/vulkan/synchronization_test.cpp
@@ -102,6 +107,13 @@ if(LIMN_BUILD_FUZZERS)
 endif()
 
 limn_add_test(limn_test cpu ${test_files})
+
+find_package(nlohmann_json REQUIRED)
+find_package(Eigen3 REQUIRED)
+limn_add_test(limn_scheme_test cpu ${scheme_test_files})
+target_link_libraries(limn_scheme_test PRIVATE nlohmann_json::nlohmann_json Eigen3::Eigen)
+target_compile_definitions(limn_scheme_test PRIVATE
+    LIMN_SCHEME_CHECKS="${CMAKE_CURRENT_SOURCE_DIR}/tests/schemes/scheme_checks.json")
 
 enable_language(C)
 function(limn_add_c_test target label)

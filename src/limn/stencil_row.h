@@ -4,18 +4,11 @@
 
 #include <vector>
 
+#include "limn/row.h"
 #include "limn/stencil_table.h"
 #include "limn/topology.h"
 
 namespace limn {
-
-/// An index may occur more than once in a row; its weights then add up. Around alike vertices rows list their
-/// entries in the same order.
-struct RowEntry {
-    uint32_t index;
-    double weight;
-};
-using Row = std::vector<RowEntry>;
 
 /// Tangent weights beside the entries of a limit row.
 struct TangentWeights {

@@ -5,42 +5,13 @@
 #include <vector>
 
 #include "limn/compose.h"
-#include "limn/parallel.h"
+#include "limn/row_table.h"
 #include "limn/stencil_row.h"
 
 namespace limn {
 namespace {
 
 constexpr uint64_t kMaxEntries = 0xffffffff;
-
-/// Adds up repeated indices, keeping the order of first appearance.
-void merge_repeated(Row& row) {
-    constexpr size_t kLong = 64;  // poles: sort rather than compare all pairs
-    if (row.size() > kLong)
-        std::stable_sort(row.begin(), row.end(),
-                         [](const RowEntry& a, const RowEntry& b) { return a.index < b.index; });
-    size_t out = 0;
-    for (const RowEntry& entry : row) {
-        size_t k = row.size() > kLong && out > 0 ? out - 1 : 0;
-        while (k < out && row[k].index != entry.index) ++k;
-        if (k < out)
-            row[k].weight += entry.weight;
-        else
-            row[out++] = entry;
-    }
-    row.resize(out);
-}
-
-template <class Body>
-void for_each_row(uint32_t count, const BuildPart& part, const Body& body) {
-    for_each_block(count, part, 512, [&](uint32_t begin, uint32_t end) {
-        Row row;
-        for (uint32_t r = begin; r != end; ++r) {
-            row.clear();
-            body(r, row);
-        }
-    });
-}
 
 Error too_large(uint64_t entries) {
     return Error{ErrorCode::too_large,
@@ -84,32 +55,9 @@ Result<BasicStencilTable<Real>> build_step_table(const Refinement& refinement, u
                      "the step to level " + std::to_string(level) + " needs level - 1 with its edges"};
     const Topology& parent = refinement.levels[level - 1];
     const uint32_t rows = child_of_edge(parent, parent.edge_count);
-    BasicStencilTable<Real> table;
-    table.source_count = parent.vertex_count;
-    table.offsets.allocate(size_t{rows} + 1);
-    table.offsets.back() = 0;
-    auto row_of = [&](uint32_t r, Row& row) {
-        refinement_row(parent, r, interpolation, row);
-        merge_repeated(row);
-    };
-    for_each_row(rows, control.part(0, 0.5f), [&](uint32_t r, Row& row) {
-        row_of(r, row);
-        table.offsets[r] = static_cast<uint32_t>(row.size());
-    });
-    if (auto ok = control.check(); !ok) return ok.error();
-    if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
-    table.indices.allocate(table.offsets.back());
-    table.weights.allocate(table.offsets.back());
-    for_each_row(rows, control.part(0.5f, 0.95f), [&](uint32_t r, Row& row) {
-        row_of(r, row);
-        uint32_t at = table.offsets[r];
-        for (const RowEntry& entry : row) {
-            table.indices[at] = entry.index;
-            table.weights[at++] = static_cast<Real>(entry.weight);
-        }
-    });
-    if (auto ok = control.reach(1); !ok) return ok.error();
-    return table;
+    return build_table_of_rows<Real>(
+        parent.vertex_count, rows, control,
+        [&](uint32_t r, Row& row) { refinement_row(parent, r, interpolation, row); });
 }
 
 template <class Real>

@@ -1,0 +1,15 @@
+// One pass of a scheme over a stage. Not part of the public interface.
+#pragma once
+
+#include "limn/schemes/split.h"
+#include "limn/stencil_table.h"
+
+namespace limn {
+
+/// Appends the row of point i of a split.
+void pass_row(const Stage& parent, const Pass& pass, const SplitMesh& split, uint32_t i, Row& row);
+
+/// The stage after a pass; `step_is_done` with its last. Moves the topology on where the pass splits nothing.
+Stage advance_stage(Stage&& parent, const Pass& pass, SplitMesh&& split, bool step_is_done);
+
+}  // namespace limn

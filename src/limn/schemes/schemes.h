@@ -1,0 +1,23 @@
+// The passes of each scheme, a file each. Not part of the public interface.
+#pragma once
+
+#include <span>
+
+#include "limn/schemes/subdivision_scheme.h"
+
+namespace limn::schemes {
+
+std::span<const Pass> catmull_clark_passes();
+std::span<const Pass> loop_passes();
+std::span<const Pass> bilinear_passes();
+std::span<const Pass> linear_passes();  ///< triangles
+std::span<const Pass> doo_sabin_passes();
+std::span<const Pass> sqrt3_passes();
+std::span<const Pass> averaging_passes(uint32_t degree);  ///< 2 to 9
+
+// Masks that more than one scheme uses.
+void keep_vertex(const Stage& parent, uint32_t v, Row& row);
+void face_centroid(const Stage& parent, uint32_t f, Row& row);
+void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
+
+}  // namespace limn::schemes

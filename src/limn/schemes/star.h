@@ -1,0 +1,68 @@
+// Walking around vertices, edges and faces, as masks do. Not part of the public interface.
+#pragma once
+
+#include "limn/schemes/subdivision_scheme.h"
+
+namespace limn {
+
+inline void add(Row& row, uint32_t index, double weight) {
+    if (weight != 0) row.push_back({index, weight});
+}
+inline void add_centroid(const Topology& t, uint32_t face, double weight, Row& row) {
+    const auto vertices = t.vertices_of_face(face);
+    for (const uint32_t v : vertices) add(row, v, weight / static_cast<double>(vertices.size()));
+}
+
+inline bool is_boundary_edge(const Topology& t, uint32_t e) {
+    return t.corners_of_edge(e).size() == 1;
+}
+/// Faces around v; of a boundary vertex one less than edges.
+inline uint32_t face_valence(const Topology& t, uint32_t v) {
+    return static_cast<uint32_t>(t.corners_of_vertex(v).size());
+}
+inline uint32_t edge_valence(const Topology& t, uint32_t v) {
+    return static_cast<uint32_t>(t.edges_of_vertex(v).size());
+}
+inline bool is_boundary_vertex(const Topology& t, uint32_t v) {
+    return edge_valence(t, v) != face_valence(t, v);
+}
+/// Neighbour i of v, counter-clockwise; a boundary vertex's first and last lie on the boundary.
+inline uint32_t neighbor(const Topology& t, uint32_t v, uint32_t i) {
+    return t.other_vertex(t.edges_of_vertex(v)[i], v);
+}
+/// Which neighbour of v the other end of edge e is.
+inline uint32_t edge_position(const Topology& t, uint32_t v, uint32_t e) {
+    const auto edges = t.edges_of_vertex(v);
+    uint32_t i = 0;
+    while (i < edges.size() && edges[i] != e) ++i;
+    return i;
+}
+/// The corner at the other end of the edge that begins at corner c, in the face beyond; kInvalidIndex at a boundary.
+inline uint32_t opposite_corner(const Topology& t, uint32_t c) {
+    const auto at = t.corners_of_edge(t.face_edges[c]);
+    if (at.size() < 2) return kInvalidIndex;
+    return at[0] == c ? at[1] : at[0];
+}
+/// The end of the edge that begins at corner c.
+inline uint32_t end_vertex(const Topology& t, uint32_t c) {
+    return t.face_vertices[t.next_corner(c)];
+}
+/// The neighbours of boundary vertex v along the boundary: backwards (its last edge) and forwards (its first).
+struct BoundaryNeighbors {
+    uint32_t previous, next;
+};
+inline BoundaryNeighbors boundary_neighbors(const Topology& t, uint32_t v) {
+    return {neighbor(t, v, edge_valence(t, v) - 1), neighbor(t, v, 0)};
+}
+/// A boundary vertex that stays where it is: one face, and boundaries with corners.
+inline bool is_fixed_corner(const Topology& t, uint32_t v) {
+    return t.vertex_rules[v] == VertexRule::corner;
+}
+/// The corner of the face at which a boundary edge begins, the first of them; kInvalidIndex where there is none.
+inline uint32_t boundary_corner(const Topology& t, uint32_t f) {
+    for (uint32_t c = t.face_begin(f); c < t.face_begin(f) + t.size_of_face(f); ++c)
+        if (is_boundary_edge(t, t.face_edges[c])) return c;
+    return kInvalidIndex;
+}
+
+}  // namespace limn
