@@ -28,12 +28,12 @@ function(limn_add_spirv target folder name source)
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated)
 endfunction()
 
-# kernels/<name>.comp; tess_<name>_texel is tess_<name> with LIMN_TEXEL, and so for tree_<name>, osd_<name> and skin.
+# kernels/<name>.comp; tess_<name>_texel is tess_<name> with LIMN_TEXEL, and so for tree_<name>, osd_<name>, skin and normals.
 function(limn_add_kernels target)
     foreach(name IN LISTS ARGN)
         set(source ${CMAKE_CURRENT_SOURCE_DIR}/kernels/${name}.comp)
         set(options "")
-        if(name MATCHES "^(skin|tess_.*|tree_.*|osd_.*)_texel$")
+        if(name MATCHES "^(skin|normals|tess_.*|tree_.*|osd_.*)_texel$")
             string(REGEX REPLACE "_texel\\.comp$" ".comp" source ${source})
             set(options -DLIMN_TEXEL)
         endif()

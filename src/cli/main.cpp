@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
     limn::cli::add_check(program, status);
     limn::cli::add_render(program, status);
     limn::cli::add_view(program, status);
+    limn::cli::add_gallery(program, status);
+    limn::cli::add_schemes(program, status);
     limn::cli::add_devices(program, status);
     limn::cli::add_bench(program, status);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });

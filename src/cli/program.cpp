@@ -2,12 +2,15 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <map>
 
+#include "cli/face_cuts.h"
 #include "limn/baked_file.h"
 #include "limn/file.h"
+#include "limn/schemes/scheme_refinement.h"
 
 namespace limn::cli {
 namespace {
@@ -75,10 +78,18 @@ uint64_t find_line(const std::string& path, const std::string& keyword, uint64_t
 Error name_file(const Error& error, const std::string& path) {
     uint64_t line = 0;
     if (error.code == ErrorCode::missing_edge) line = find_line(path, "t crease ", error.element);
-    if (error.code == ErrorCode::not_a_triangle) line = find_line(path, "f ", error.element);
+    if (error.code == ErrorCode::not_a_triangle || error.code == ErrorCode::unsupported)
+        line = find_line(path, "f ", error.element);
     Error named = error;
     named.message = printable(path) + (line != 0 ? ":" + std::to_string(line) : "") + ": " + error.message;
     return named;
+}
+
+/// What to do about faces that the scheme does not take.
+Error advise(Error error) {
+    if (error.code == ErrorCode::not_a_triangle) error.message += " (--triangulate cuts it)";
+    if (error.code == ErrorCode::unsupported) error.message += " (--quads splits it)";
+    return error;
 }
 
 }  // namespace
@@ -92,12 +103,30 @@ std::vector<std::string> scheme_names() {
     return names(kSchemes);
 }
 
-void add_surface_options(CLI::App& command, SurfaceOptions& options) {
+std::vector<std::string> all_scheme_names() {
+    std::vector<std::string> out = scheme_names();
+    for (const SubdivisionScheme& scheme : subdivision_schemes())
+        if (std::find(out.begin(), out.end(), scheme.name) == out.end()) out.emplace_back(scheme.name);
+    return out;
+}
+
+void add_surface_options(CLI::App& command, SurfaceOptions& options, SchemesTaken schemes) {
     const char* group = kSurfaceGroup;
-    command.add_option("--scheme", options.scheme, "Subdivision scheme")
-        ->check(CLI::IsMember(names(kSchemes)))
+    const bool all = schemes == SchemesTaken::all;
+    command
+        .add_option("--scheme", options.scheme,
+                    all ? "Subdivision scheme; 'limn schemes' lists them" : "Subdivision scheme: catmark, loop or bilinear")
+        ->check([all, name = command.get_name()](const std::string& text) -> std::string {
+            const auto known = all_scheme_names(), taken = all ? known : scheme_names();
+            if (std::find(taken.begin(), taken.end(), text) != taken.end()) return {};
+            if (std::find(known.begin(), known.end(), text) != known.end())
+                return "'" + text + "' has no patches: limn " + name + " takes catmark, loop and bilinear";
+            return "there is no scheme '" + text + "': limn schemes lists them";
+        })
         ->capture_default_str()
         ->group(group);
+    auto* triangulate = command.add_flag("--triangulate", options.triangulate, "Cut faces into triangles first")->group(group);
+    command.add_flag("--quads", options.quads, "Split all faces into quads first, linearly")->excludes(triangulate)->group(group);
     command.add_option("--boundary", options.boundary, "Boundary interpolation (default edge-only)")
         ->check(CLI::IsMember(names(kBoundaries)))
         ->group(group);
@@ -127,11 +156,15 @@ Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& op
     override_tag(model->creasing, kCreasing, options.creasing);
     override_tag(model->triangles, kTriangles, options.triangles);
     override_tag(model->face_varying, kFaceVarying, options.face_varying);
+    if (options.triangulate) triangulate(*model);
+    if (options.quads) split_into_quads(*model);
     SchemeOptions defaults;
     defaults.scheme = value_of(kSchemes, options.scheme);
     defaults.opensubdiv_compatible = options.compat == "opensubdiv";
     Result<ControlMesh> mesh = ControlMesh::create(describe(*model, defaults));
-    if (!mesh) return name_file(mesh.error(), path);
+    if (!mesh) return advise(name_file(mesh.error(), path));
+    if (const SubdivisionScheme* scheme = find_subdivision_scheme(options.scheme))
+        if (auto checked = check_scheme_faces(*mesh, *scheme); !checked) return advise(name_file(checked.error(), path));
     return LoadedModel{std::move(*model), std::move(*mesh)};
 }
 

@@ -26,19 +26,25 @@ struct SurfaceOptions {
     std::string scheme = "catmark";
     std::optional<std::string> boundary, creasing, triangles, face_varying;
     std::string compat = "none";
+    bool triangulate = false, quads = false;  ///< faces that the scheme does not take
 };
 inline constexpr const char* kSurfaceGroup = "Surface (the model's own tags hold where these are not given)";
-void add_surface_options(CLI::App& command, SurfaceOptions& options);
+/// Which schemes a command takes: those with patches, or all that there are.
+enum class SchemesTaken { with_patches, all };
+void add_surface_options(CLI::App& command, SurfaceOptions& options,
+                         SchemesTaken schemes = SchemesTaken::with_patches);
 
-/// What --scheme takes.
+/// The schemes with patches, and all.
 std::vector<std::string> scheme_names();
+std::vector<std::string> all_scheme_names();
 
 /// A model file as a checked control mesh.
 struct LoadedModel {
     Model model;
     ControlMesh mesh;
 };
-/// Error::message is one line that names the file and, where one is to blame, the line. Baked files are none.
+/// Error::message is one line that names the file and, where one is to blame, the line. Baked files are none. Under a
+/// scheme without patches mesh.options.scheme is that of quads.
 Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options);
 
 /// --device: an index of `limn devices`, or "cpu" for limn's own code on the host, without Vulkan.
@@ -83,6 +89,8 @@ void add_tessellate(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
 void add_render(CLI::App& program, int& status);
 void add_view(CLI::App& program, int& status);
+void add_schemes(CLI::App& program, int& status);
+void add_gallery(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 void add_bench(CLI::App& program, int& status);  // bench/bench_command.cpp, where benchmarks are built
 

@@ -4,6 +4,7 @@
 
 #include "cli/gltf.h"
 #include "cli/point_runner.h"
+#include "cli/scheme_model.h"
 #include "limn/ply.h"
 #include "limn/refinement.h"
 
@@ -54,9 +55,8 @@ std::vector<float> normals_of(const LimitPoints& limits) {
     return normals;
 }
 
-/// Takes the faces of the last level out of a refinement that is not needed any more.
-void keep_faces(Refinement& refinement, Topology& out) {
-    Topology& last = refinement.levels.back();
+/// Takes the faces of a level that is not needed any more.
+void keep_faces(Topology& last, Topology& out) {
     out.options = last.options;
     out.vertex_count = last.vertex_count;
     out.face_count = last.face_count;
@@ -64,7 +64,11 @@ void keep_faces(Refinement& refinement, Topology& out) {
     out.face_offsets = std::move(last.face_offsets);
     out.face_vertices = std::move(last.face_vertices);
     out.face_holes = std::move(last.face_holes);
-    refinement = {};
+}
+void keep_faces(Array<uint32_t>&& offsets, Array<uint32_t>&& vertices, Topology& out) {
+    out.face_count = static_cast<uint32_t>(offsets.size() - 1);
+    out.face_offsets = std::move(offsets);
+    out.face_vertices = std::move(vertices);
 }
 
 /// Limits from the last points of a chain where those are past all semi-sharp features, else from the control
@@ -75,7 +79,8 @@ Result<LimitPoints> evaluate_limits(const Options& options, const LoadedModel& l
     if (!chained) {
         Result<StencilTable> table = build_limit_table<float>(refinement, options.level, true);
         if (!table) return table.error();
-        keep_faces(refinement, faces);
+        keep_faces(refinement.levels.back(), faces);
+        refinement = {};
         return runner.run_limits(*table, loaded.model.positions);
     }
     Result<std::vector<StencilTable>> tables = build_chain(refinement);
@@ -85,7 +90,8 @@ Result<LimitPoints> evaluate_limits(const Options& options, const LoadedModel& l
     tables->clear();
     Result<StencilTable> table = build_limit_step_table<float>(refinement, true);
     if (!table) return table.error();
-    keep_faces(refinement, faces);
+    keep_faces(refinement.levels.back(), faces);
+    refinement = {};
     return runner.run_limits(*table, *points);
 }
 
@@ -106,7 +112,7 @@ Result<void> refine_positions(const Options& options, const LoadedModel& loaded,
         Result<std::vector<float>> points = runner.run(*tables, loaded.model.positions, 3);
         if (!points) return points.error();
         out.positions = std::move(*points);
-        keep_faces(*refinement, out.topology);
+        keep_faces(refinement->levels.back(), out.topology);
     }
     return {};
 }
@@ -126,6 +132,41 @@ Result<void> refine_texture_coordinates(const Options& options, const LoadedMode
     const Topology& last = refinement->last();
     out.face_texture_coordinates.assign(last.face_vertices.begin(), last.face_vertices.end());
     return {};
+}
+
+/// The same by a scheme without patches.
+Result<void> refine_by_scheme(const Options& options, const LoadedModel& loaded, const SubdivisionScheme& scheme,
+                              const RunDevice& device, const PointRunner& runner, Progress& progress,
+                              RefinedMesh& out) {
+    note_left_out(options.model, loaded, scheme, progress);
+    if (options.limit) {
+        auto surface = build_model_surface(options.model, loaded, scheme, options.level, progress);
+        if (!surface) return surface.error();
+        progress.show("evaluating stencils on " + runner.name());
+        auto vertices = run_scheme_surface(device, *surface, loaded.model.positions);
+        if (!vertices) return vertices.error();
+        out.positions = std::move(vertices->positions);
+        out.normals = std::move(vertices->normals);
+        keep_faces(std::move(surface->face_offsets), std::move(surface->face_vertices), out.topology);
+    } else {
+        auto refinement = build_scheme_refinement<float>(loaded.mesh, scheme, {options.level});
+        if (!refinement) return refinement.error();
+        auto points = runner.run(refinement->tables, loaded.model.positions, 3);
+        if (!points) return points.error();
+        out.positions = std::move(*points);
+        keep_faces(refinement->last.topology, out.topology);
+    }
+    auto texture = refine_texture(loaded, scheme, options.level);
+    if (!texture) return texture.error();
+    out.texture_coordinates = std::move(texture->values);
+    out.face_texture_coordinates = std::move(texture->face_values);
+    return {};
+}
+
+Result<void> refine_with_patches(const Options& options, const LoadedModel& loaded, const PointRunner& runner,
+                                 Progress& progress, RefinedMesh& out) {
+    if (auto done = refine_positions(options, loaded, runner, progress, out); !done) return done;
+    return refine_texture_coordinates(options, loaded, runner, progress, out);
 }
 
 Result<void> write_mesh(const Options& options, RefinedMesh& mesh) {
@@ -157,10 +198,11 @@ int run(const Options& options) {
     const Result<PointRunner> runner = PointRunner::create(*device);
     if (!runner) return fail(runner.error());
     RefinedMesh mesh;
-    if (auto done = refine_positions(options, *loaded, *runner, progress, mesh); !done)
-        return fail(done.error());
-    if (auto done = refine_texture_coordinates(options, *loaded, *runner, progress, mesh); !done)
-        return fail(done.error());
+    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
+    const auto refined = scheme != nullptr
+                             ? refine_by_scheme(options, *loaded, *scheme, *device, *runner, progress, mesh)
+                             : refine_with_patches(options, *loaded, *runner, progress, mesh);
+    if (!refined) return fail(refined.error());
     if (auto silent = device->check_validation(); !silent) return fail(silent.error());
     progress.show("writing " + options.output);
     if (auto done = write_mesh(options, mesh); !done) return fail(done.error());
@@ -176,7 +218,7 @@ void add_refine(CLI::App& program, int& status) {
     command->add_option("MODEL", options->model, "OBJ file")->required();
     command
         ->add_option("--level", options->level,
-                     "Refinement level, 0 to 10: every level has four times the faces")
+                     "Refinement level, 0 to 10: every level has four times the faces (of schemes that halve edges)")
         ->check(CLI::Range(0u, kMaxRefinementLevel))
         ->capture_default_str();
     command->add_flag("--limit", options->limit, "Move the vertices to the limit surface, with its normals");
@@ -188,7 +230,7 @@ void add_refine(CLI::App& program, int& status) {
                 if (ends_with(path, ending)) return std::string();
             return "'" + path + "' is none of .obj, .ply and .glb";
         });
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     add_device_option(*command, options->device);
     command->callback([options, &status] { status = run(*options); });
 }

@@ -6,6 +6,7 @@
 
 #include "cli/model_tables.h"
 #include "cli/picture_options.h"
+#include "cli/scheme_pictures.h"
 #include "limn/file.h"
 #include "viewer/graphics_device.h"
 #include "viewer/renderer.h"
@@ -105,20 +106,34 @@ Result<viewer::Picture> draw(const Options& options, const viewer::GraphicsDevic
                      static_cast<double>(scene->triangles.rate_scale));
     }
     progress.show(std::string("drawing on ") + device.name());
-    renderer.set_scene(scene->surface.mesh(), scene->surface.control_lines());
     viewer::PassTimer timer(device);
-    auto commands = vk::Commands::begin(device);
-    if (!commands) return commands.error();
-    timer.record_begin(*commands);
-    renderer.record(*commands, scene->view, &timer);
-    renderer.record_finish(*commands);
-    renderer.record_readback(*commands);
-    if (auto done = commands->submit_and_wait(); !done) return done.error();
-    if (options.times) print_times(*scene, timer);
-    return renderer.read_picture();
+    auto picture = draw_scene(device, renderer, scene->surface.mesh(), scene->surface.control_lines(), scene->view, timer);
+    if (picture && options.times) print_times(*scene, timer);
+    return picture;
 }
 
-/// What there is to see of triangles and patches is not known to the stages.
+/// By a scheme without patches.
+Result<viewer::Picture> draw_evenly(const Options& options, const SubdivisionScheme& scheme,
+                                    const viewer::GraphicsDevice& graphics, viewer::Renderer& renderer,
+                                    Progress& progress) {
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    note_left_out(options.model, *loaded, scheme, progress);
+    viewer::PassTimer timer(graphics.device());
+    auto evaluator = vk::SchemeEvaluator::create(graphics.device());
+    if (!evaluator) return evaluator.error();
+    auto drawn = draw_scheme({options.model, *loaded, scheme, options.look.rate.value_or(kEvenRate), options.look},
+                             graphics.device(), *evaluator, renderer, timer, progress);
+    if (!drawn) return drawn.error();
+    if (options.times) {
+        std::printf("%s, %s\n", plural(drawn->triangle_count, "triangle").c_str(),
+                    (std::to_string(drawn->vertex_count) + " vertices").c_str());
+        for (const auto& pass : timer.read()) std::printf("%-12s %8.2f ms\n", pass.name, pass.milliseconds);
+    }
+    return std::move(drawn->picture);
+}
+
+// What there is to see of triangles and patches is not known to the stages.
 bool is_drawn_by_hardware(const LookOptions& look) {
     return !look.wireframe && look.color != "kind" && look.color != "level";
 }
@@ -128,9 +143,21 @@ int run(const Options& options) {
         std::fprintf(stderr, "limn: --hardware-tessellation draws no wireframe and no colours by kind or level\n");
         return kBadUsage;
     }
+    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
+    if (scheme != nullptr)
+        if (const std::string wrong = check_even_look(options.look, options.hardware); !wrong.empty()) {
+            std::fprintf(stderr, "limn: %s\n", wrong.c_str());
+            return kBadUsage;
+        }
     Progress progress;
-    const Result<ModelTables> model = ModelTables::load(options.model, options.surface, "none", {}, progress);
-    if (!model) return fail(model.error());
+    std::optional<ModelTables> model;
+    if (scheme == nullptr) {
+        Result<ModelTables> tables = ModelTables::load(options.model, options.surface, "none", {}, progress);
+        if (!tables) return fail(tables.error());
+        model.emplace(std::move(*tables));
+    } else if (const Result<LoadedModel> readable = load_model(options.model, options.surface); !readable) {
+        return fail(readable.error());
+    }
     const auto graphics = viewer::GraphicsDevice::create(
         {.device_index = graphics_device_index(options.device), .validation = options.device.validation});
     if (!graphics) return fail(graphics.error());
@@ -145,7 +172,8 @@ int run(const Options& options) {
             fail(sized.error());
             return sized.error().code == ErrorCode::unsupported ? kBadUsage : kBadInput;
         }
-        picture = draw(options, *graphics, *renderer, *model, progress);
+        picture = scheme == nullptr ? draw(options, *graphics, *renderer, *model, progress)
+                                    : draw_evenly(options, *scheme, *graphics, *renderer, progress);
     }
     if (!picture) return fail(picture.error());
     if (auto silent = graphics->check_validation(); !silent) return fail(silent.error());
@@ -169,7 +197,7 @@ void add_render(CLI::App& program, int& status) {
     command->add_flag("--hardware-tessellation", options->hardware,
                       "Draw with the device's tessellation stages: nothing is kept of vertices and triangles");
     add_look_options(*command, options->look);
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     add_graphics_device_option(*command, options->device);
     command->callback([options, command, &status] {
         check_baked_usage(*command, options->model);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "cli/gltf.h"
+#include "cli/scheme_model.h"
 #include "cli/tessellation_runner.h"
 #include "limn/file.h"
 #include "limn/ply.h"
@@ -14,6 +15,7 @@ namespace limn::cli {
 namespace {
 
 constexpr const char* kEndings[] = {".obj", ".ply", ".glb"};
+constexpr float kDefaultRate = 8;
 constexpr uint32_t kDefaultMaxRate = 64;  // more where --rate asks for it
 constexpr float kLeast = 1e-6f, kMost = 1e6f;
 constexpr float kLeastLength = 1e-30f, kMostLength = 1e30f;  // models come in any unit
@@ -123,6 +125,11 @@ void check_usage(const Options& options) {
     const std::optional<float>& rate = options.values[0];
     if (rate && options.max_rate && *rate > static_cast<float>(*options.max_rate))
         throw CLI::ValidationError("--rate", "is larger than --max-rate");
+    const bool even = scheme_without_patches(options.surface) != nullptr;
+    for (size_t i = 1; even && i < std::size(kModes); ++i)
+        if (options.values[i]) throw CLI::ValidationError(kModes[i].name, "takes a scheme with patches; others are tessellated evenly, by --rate");
+    if (even && (options.cull || options.max_triangles || options.max_rate || options.spacing != "integer"))
+        throw CLI::ValidationError("--scheme", "has no patches: it is tessellated evenly, by --rate alone");
     if (options.cull && options.device.device == "cpu")
         throw CLI::ValidationError("--cull", "needs a Vulkan device: --device cpu does not cull");
 }
@@ -156,14 +163,46 @@ Result<TriangleMesh> make_mesh(const Options& options, const ModelTables& model,
     return mesh;
 }
 
-Result<void> tessellate_model(const Options& options, Progress& progress) {
+/// Evenly, by a scheme without patches.
+Result<TriangleMesh> make_even_mesh(const Options& options, const SubdivisionScheme& scheme, const RunDevice& device,
+                                    Progress& progress) {
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    const auto name_model = [&](Error error) {
+        error.message = printable(options.model) + ": " + error.message;
+        return error;
+    };
+    const auto level = steps_within_reason(*loaded, scheme, static_cast<double>(options.values[0].value_or(kDefaultRate)));
+    if (!level) return name_model(level.error());
+    note_left_out(options.model, *loaded, scheme, progress);
+    auto surface = build_model_surface(options.model, *loaded, scheme, *level, progress);
+    if (!surface) return surface.error();
+    progress.show("evaluating stencils on " + device.name());
+    auto vertices = run_scheme_surface(device, *surface, loaded->model.positions);
+    if (!vertices) return name_model(vertices.error());
+    TriangleMesh mesh;
+    mesh.positions = std::move(vertices->positions);
+    mesh.normals = std::move(vertices->normals);
+    mesh.indices.assign(surface->triangles.begin(), surface->triangles.end());
+    return mesh;
+}
+
+/// By tables with patches, from an OBJ file or a baked one.
+Result<TriangleMesh> make_adaptive_mesh(const Options& options, const RunDevice& device, Progress& progress) {
     BakeOptions bake;
     bake.max_rate = max_rate_of(options);
     const Result<ModelTables> model = ModelTables::load(options.model, options.surface, options.uv, bake, progress);
     if (!model) return model.error();
+    return make_mesh(options, *model, device, progress);
+}
+
+Result<void> tessellate_model(const Options& options, Progress& progress) {
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
-    const Result<TriangleMesh> mesh = make_mesh(options, *model, *device, progress);
+    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
+    const Result<TriangleMesh> mesh = scheme != nullptr ? make_even_mesh(options, *scheme, *device, progress)
+                                                        : make_adaptive_mesh(options, *device, progress);
     if (!mesh) return mesh.error();
     if (auto silent = device->check_validation(); !silent) return silent;
     progress.show("writing " + options.output);
@@ -255,7 +294,7 @@ void add_tessellate(CLI::App& program, int& status) {
     add_rate_options(*command, *options);
     add_camera_options(*command, *options);
     add_uv_option(*command, options->uv);
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     add_device_option(*command, options->device);
     command->footer(
         "A rate belongs to an edge and both faces beside it, so triangles meet without gaps. Vertices are\n"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/picture_options.h"
+#include "cli/scheme_pictures.h"
 #include "limn/file.h"
 #include "viewer/view.h"
 #endif
@@ -25,6 +26,11 @@ struct Options {
 };
 
 int run(const Options& options) {
+    if (scheme_without_patches(options.surface) != nullptr)
+        if (const std::string wrong = check_even_look(options.look, false); !wrong.empty()) {
+            std::fprintf(stderr, "limn: %s\n", wrong.c_str());
+            return kBadUsage;
+        }
     viewer::ViewOptions view;
     view.title = printable(options.model.substr(options.model.rfind('/') + 1));
     const PictureSize size = *parse_size(options.size);
@@ -35,7 +41,7 @@ int run(const Options& options) {
     view.settings = settings_of(options.look, view.camera);
     view.rates = rate_settings_of(options.look);
     view.animate = options.animate;
-    view.schemes = scheme_names();
+    view.schemes = all_scheme_names();
     view.colors = color_names();
     const auto scheme = std::find(view.schemes.begin(), view.schemes.end(), options.surface.scheme);
     view.scheme = static_cast<int>(scheme - view.schemes.begin());
@@ -44,7 +50,8 @@ int run(const Options& options) {
         surface.scheme = name;
         Result<LoadedModel> loaded = load_model(options.model, surface);
         if (!loaded) return loaded.error();
-        return viewer::ViewModel{std::move(loaded->mesh), std::move(loaded->model.positions)};
+        return viewer::ViewModel{std::move(loaded->mesh), scheme_without_patches(surface),
+                                 std::move(loaded->model.positions)};
     };
     if (!options.screenshot.empty()) view.frame_count = std::max(options.frames, 1u);
     // A model that cannot be read needs no window to say so.
@@ -82,7 +89,7 @@ void add_view(CLI::App& program, int& status) {
         ->check(CLI::Range(1u, 100000u))
         ->needs(screenshot);
     add_look_options(*command, options->look);
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     add_graphics_device_option(*command, options->device);
     command->callback([options, &status] { status = run(*options); });
 #else

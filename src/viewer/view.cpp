@@ -10,12 +10,15 @@
 #include "viewer/deformer.h"
 #include "viewer/panel.h"
 #include "viewer/renderer.h"
+#include "viewer/scheme_mesh.h"
 #include "viewer/surface_mesh.h"
 
 namespace limn::viewer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr double kMostEvenTriangles = 4e6;
 
 /// A CameraView that the mouse moves.
 struct Orbit {
@@ -57,6 +60,9 @@ class Session {
 
   private:
     Result<void> rebuild();
+    Result<void> rebuild_surface(const ViewModel& model);
+    Result<void> rebuild_evenly(const ViewModel& model);
+    void adopt(const Bounds& bounds);
     RateSettings rates() const;
     Result<void> follow_rates();
     Result<void> record_surface(VkCommandBuffer commands);
@@ -76,7 +82,11 @@ class Session {
     std::optional<Panel> panel_;
     std::optional<Deformer> deformer_;
     std::optional<SurfaceKernels> kernels_;
+    std::optional<vk::SchemeEvaluator> evaluator_;
+    // One of the two.
     std::optional<SurfaceMesh> surface_;
+    std::optional<SchemeMesh> even_;
+    uint32_t even_rate_ = 0;  ///< what even_ was made for
     vk::TessellationResult triangles_ = {};
     std::optional<RateSettings> tessellated_;  ///< what the triangles there were made for
     Bounds bounds_;                            ///< at rest
@@ -124,6 +134,9 @@ Result<void> Session::start() {
     auto kernels = SurfaceKernels::create(device_);
     if (!kernels) return kernels.error();
     kernels_.emplace(std::move(*kernels));
+    auto evaluator = vk::SchemeEvaluator::create(device_);
+    if (!evaluator) return evaluator.error();
+    evaluator_.emplace(std::move(*evaluator));
     orbit_.view = options_.camera;
     state_.settings = options_.settings;
     state_.scheme = options_.scheme;
@@ -144,22 +157,57 @@ Result<void> Session::start() {
 Result<void> Session::rebuild() {
     const auto model = options_.load(options_.schemes[static_cast<size_t>(state_.scheme)]);
     if (!model) return model.error();
-    auto surface = SurfaceMesh::create(device_, *kernels_, model->mesh, model->positions, {});
+    return model->scheme == nullptr ? rebuild_surface(*model) : rebuild_evenly(*model);
+}
+
+Result<void> Session::rebuild_surface(const ViewModel& model) {
+    auto surface = SurfaceMesh::create(device_, *kernels_, model.mesh, model.positions, {});
     if (!surface) return surface.error();
     RateSettings few;
     few.value = 4;
     if (const auto done = surface->tessellate(few); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
-    if (auto set = deformer_->set_points(model->positions, surface->control_points()); !set)
-        return set.error();
+    if (auto set = deformer_->set_points(model.positions, surface->control_points()); !set) return set.error();
     renderer_->set_scene(surface->mesh(), surface->control_lines());
     surface_.emplace(std::move(*surface));
-    bounds_ = *bounds;
+    even_.reset();
+    adopt(*bounds);
+    return {};
+}
+
+/// As many steps as the uniform rate asks for, and a few million triangles allow.
+Result<void> Session::rebuild_evenly(const ViewModel& model) {
+    const auto rate = static_cast<uint32_t>(std::lround(state_.rate_values[0]));
+    const double growth = std::pow(segments_per_step(*model.scheme), 2);
+    const double corners = std::max(1.0, static_cast<double>(model.mesh.face_vertices.size()));
+    const auto most = static_cast<uint32_t>(std::log(std::max(1.0, kMostEvenTriangles / (2 * corners))) / std::log(growth));
+    const uint32_t level = std::min(steps_for_rate(*model.scheme, rate), most);
+    const auto tables = build_scheme_surface(model.mesh, *model.scheme, {level});
+    if (!tables) return tables.error();
+    auto even = SchemeMesh::create(device_, *evaluator_, *tables, model.positions);
+    if (!even) return even.error();
+    const auto bounds = even->evaluate();
+    if (!bounds) return bounds.error();
+    if (auto set = deformer_->set_points(model.positions, even->control_points()); !set) return set.error();
+    renderer_->set_scene(even->mesh(), even->control_lines());
+    even_.emplace(std::move(*even));
+    surface_.reset();
+    state_.rate_choice = RateChoice::uniform;
+    even_rate_ = rate;
+    triangles_ = {};
+    triangles_.vertex_count = even_->vertex_count();
+    triangles_.triangle_count = even_->triangle_count();
+    adopt(*bounds);
+    return {};
+}
+
+/// What is there now is what is drawn.
+void Session::adopt(const Bounds& bounds) {
+    bounds_ = bounds;
     tessellated_.reset();
     built_ = state_;
     surface_changed_ = true;
-    return {};
 }
 
 void Session::try_rebuild() {
@@ -167,6 +215,7 @@ void Session::try_rebuild() {
     if (auto built = rebuild(); !built) {
         message_ = built.error().message;
         state_.scheme = built_.scheme;
+        even_rate_ = static_cast<uint32_t>(std::lround(state_.rate_values[0]));  // no second try
     }
 }
 
@@ -193,7 +242,13 @@ void Session::choose(uint32_t frame) {
                    .message = message},
                   options_.schemes, options_.colors);
     if (state_.frame_all) orbit_ = {{.azimuth = orbit_.view.azimuth, .elevation = orbit_.view.elevation}};
-    if (state_.scheme != built_.scheme) try_rebuild();
+    if (even_) {
+        state_.rate_choice = RateChoice::uniform;
+        if (needs_places(state_.settings.color) || state_.settings.color == ColorMode::rate)
+            state_.settings.color = ColorMode::clay;  // there are no patches
+    }
+    const bool finer = even_ && std::lround(state_.rate_values[0]) != static_cast<long>(even_rate_);
+    if (state_.scheme != built_.scheme || finer) try_rebuild();
     const auto now = Clock::now();
     const double passed = std::chrono::duration<double>(now - last_frame_).count();
     last_frame_ = now;
@@ -226,6 +281,7 @@ RateSettings Session::rates() const {
 
 /// Room for the triangles that are asked for now, and what is shown of them.
 Result<void> Session::follow_rates() {
+    if (even_) return {};
     SurfaceMeshOptions wanted = surface_->options();
     wanted.mode = mode_of(state_.rate_choice);
     wanted.places = wanted.places || needs_places(state_.settings.color);
@@ -242,6 +298,10 @@ Result<void> Session::record_surface(VkCommandBuffer commands) {
     if (surface_changed_ && (state_.animate || seconds_ > 0)) {
         deformer_->record(commands, bounds_, seconds_, state_.amplitude);
         timer_.record_mark(commands, "control points");
+    }
+    if (even_) {
+        if (surface_changed_) even_->record(commands, &timer_);
+        return {};
     }
     const RateSettings wanted = rates();
     const bool keep_rates = tessellated_ && (state_.frozen || same_rates(*tessellated_, wanted));

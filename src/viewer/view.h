@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "limn/control_mesh.h"
+#include "limn/schemes/subdivision_scheme.h"
 #include "viewer/picture.h"
 #include "viewer/scene.h"
 #include "viewer/surface_mesh.h"
@@ -15,6 +16,7 @@ namespace limn::viewer {
 
 struct ViewModel {
     ControlMesh mesh;
+    const SubdivisionScheme* scheme = nullptr;  ///< one without patches, drawn evenly; null: mesh.options.scheme
     std::vector<float> positions;  ///< 3 per vertex
 };
 
