@@ -158,7 +158,7 @@ if(LIMN_BUILD_VULKAN)
 endif()
 if(LIMN_BUILD_PROGRAM)
     limn_add_test(limn_program_test program
-        tests/program_test.cpp tests/tessellate_program_test.cpp tests/bake_program_test.cpp tests/gltf_test.cpp)
+        tests/program_test.cpp tests/scheme_program_test.cpp tests/tessellate_program_test.cpp tests/bake_program_test.cpp tests/gltf_test.cpp)
     target_link_libraries(limn_program_test PRIVATE limn_gltf nlohmann_json::nlohmann_json)
     target_compile_definitions(limn_program_test PRIVATE
         LIMN_PROGRAM="$<TARGET_FILE:limn_program>"

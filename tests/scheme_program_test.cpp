@@ -1,0 +1,132 @@
+// The program under schemes without patches.
+#include <cmath>
+#include <set>
+
+#include "limn/obj.h"
+#include "limn/schemes/subdivision_scheme.h"
+#include "program_fixture.h"
+
+namespace limn {
+namespace {
+
+TEST_F(Program, lists_schemes) {
+    const Outcome listed = run("schemes");
+    EXPECT_EQ(listed.status, 0);
+    for (const SubdivisionScheme& scheme : subdivision_schemes())
+        EXPECT_NE(listed.output.find(std::string(scheme.name) + " "), std::string::npos) << scheme.name;
+}
+
+/// Every edge has two faces that pass it in opposite directions.
+bool is_closed(const Model& mesh) {
+    std::set<std::pair<uint32_t, uint32_t>> edges;
+    size_t begin = 0;
+    for (const uint32_t n : mesh.face_sizes) {
+        for (size_t i = 0; i < n; ++i)
+            if (!edges.insert({mesh.face_vertices[begin + i], mesh.face_vertices[begin + (i + 1) % n]}).second) return false;
+        begin += n;
+    }
+    for (const auto& [a, b] : edges)
+        if (edges.count({b, a}) == 0) return false;
+    return true;
+}
+
+/// A cube, as the scheme takes it.
+std::string cube_options(const SubdivisionScheme& scheme) {
+    const std::string name = std::string(" --scheme ") + scheme.name;
+    return scheme.faces == FaceKind::triangles ? name + " --triangulate" : name;
+}
+
+TEST_F(Program, refines_and_tessellates_by_schemes_of_every_split) {
+    std::set<SplitKind> splits;
+    for (const SubdivisionScheme& scheme : subdivision_schemes()) {
+        if (!splits.insert(scheme.passes.back().split).second) continue;  // each by itself: tests of the library
+        SCOPED_TRACE(scheme.name);
+        const std::string options = cube_options(scheme);
+        ASSERT_EQ(run("refine cube.obj --level 2 -o device.obj --validation" + options).status, 0) << read("err.txt");
+        ASSERT_EQ(run("refine cube.obj --level 2 -o host.obj --device cpu" + options).status, 0) << read("err.txt");
+        const auto device = read_obj(path("device.obj")), host = read_obj(path("host.obj"));
+        ASSERT_TRUE(device && host);
+        EXPECT_EQ(device->face_vertices, host->face_vertices);
+        ASSERT_EQ(device->positions.size(), host->positions.size());
+        for (size_t i = 0; i < host->positions.size(); ++i)
+            ASSERT_NEAR(device->positions[i], host->positions[i], 4e-6) << i;
+        EXPECT_TRUE(is_closed(*device));
+        ASSERT_EQ(run("tessellate cube.obj --rate 4 -o triangles.obj --validation" + options).status, 0) << read("err.txt");
+        const auto triangles = read_obj(path("triangles.obj"));
+        ASSERT_TRUE(triangles);
+        EXPECT_TRUE(is_closed(*triangles) || scheme.creases != CreaseRules::none);  // seams have vertices of their own
+    }
+}
+
+TEST_F(Program, refines_to_the_limit_by_schemes) {
+    // Limits do not depend on the level at which they are taken: vertices keep their numbers in primal schemes.
+    for (const char* name : {"sqrt3 --triangulate", "averaging-3"}) {
+        SCOPED_TRACE(name);
+        const std::string options = std::string(" --limit --scheme ") + name;
+        ASSERT_EQ(run("refine cube.obj --level 1 -o coarse.obj" + options).status, 0) << read("err.txt");
+        ASSERT_EQ(run("refine cube.obj --level 3 -o fine.obj" + options).status, 0) << read("err.txt");
+        const auto coarse = read_obj(path("coarse.obj")), fine = read_obj(path("fine.obj"));
+        ASSERT_TRUE(coarse && fine);
+        size_t found = 0;
+        for (size_t v = 0; v < 24; v += 3) {
+            double nearest = 1;
+            for (size_t w = 0; w < fine->positions.size(); w += 3) {
+                double sum = 0;
+                for (size_t k = 0; k < 3; ++k)
+                    sum += std::pow(double{coarse->positions[v + k]} - double{fine->positions[w + k]}, 2);
+                nearest = std::min(nearest, std::sqrt(sum));
+            }
+            found += nearest < 1e-5;
+        }
+        EXPECT_EQ(found, 8u);
+    }
+}
+
+TEST_F(Program, says_which_schemes_a_command_takes) {
+    expect_failure("refine cube.obj --level 1 --scheme doo -o result.obj", 2, "limn schemes");
+    expect_failure("bake cube.obj --scheme doo-sabin -o result.limn", 2, "limn bake takes catmark, loop and bilinear");
+    expect_failure("refine cube.obj --level 1 --scheme sqrt3 -o result.obj", 1,
+                   "cube.obj:13: sqrt(3) takes triangles only: face 0 has 4 vertices (--triangulate cuts it)");
+    expect_failure("tessellate cube.obj --scheme doo-sabin --chord-error 0.1 -o result.obj", 2, "--rate");
+    expect_failure("tessellate cube.obj --scheme doo-sabin --max-triangles 10 -o result.obj", 2, "--rate");
+    expect_failure("tessellate cube.obj --scheme loop --triangulate --quads -o result.obj", 2, "--quads");
+    write("book.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
+    expect_failure("refine book.obj --level 1 --scheme doo-sabin -o result.obj", 1, "three faces");
+    write("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt hole 1/0/0 0\n");
+    expect_failure("refine hole.obj --level 1 --scheme doo-sabin -o result.obj", 1, "holes");
+}
+
+TEST_F(Program, cuts_faces_for_schemes_that_want_others) {
+    write("prism.obj",
+          "v 0 0 0\nv 2 0 0\nv 3 2 0\nv 1 3 0\nv -1 2 0\nv 0 0 1\nv 2 0 1\nv 3 2 1\nv 1 3 1\nv -1 2 1\n"
+          "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\nf 5 1 6 10\nt crease 3/2/0 0 1 2 2 3\n");
+    ASSERT_EQ(run("refine prism.obj --level 0 --triangulate -o triangles.obj").status, 0) << read("err.txt");
+    ASSERT_EQ(run("refine prism.obj --level 0 --quads -o quads.obj").status, 0) << read("err.txt");
+    const auto triangles = read_obj(path("triangles.obj")), quads = read_obj(path("quads.obj"));
+    ASSERT_TRUE(triangles && quads);
+    EXPECT_EQ(triangles->face_sizes, std::vector<uint32_t>(16, 3));
+    EXPECT_EQ(quads->face_sizes, std::vector<uint32_t>(30, 4));
+    EXPECT_EQ(quads->vertex_count(), 10u + 15 + 7);
+    EXPECT_TRUE(is_closed(*triangles));
+    EXPECT_TRUE(is_closed(*quads));
+}
+
+#ifdef LIMN_HAVE_WINDOW
+
+TEST_F(Program, draws_a_gallery) {
+    const Outcome drawn = run("gallery cube.obj -o gallery.png --size 64x48 --columns 2 --rate 2 --schemes doo-sabin,sqrt3,catmark --validation");
+    ASSERT_EQ(drawn.status, 0) << drawn.errors;
+    const std::string png = read("gallery.png");
+    ASSERT_GT(png.size(), 24u);
+    const auto number = [&](size_t at) { return static_cast<uint8_t>(png[at]) * 256 + static_cast<uint8_t>(png[at + 1]); };
+    EXPECT_EQ(number(18), 2 * 64);
+    EXPECT_EQ(number(22), 2 * 48);
+    expect_failure("gallery cube.obj -o result.png --schemes nothing", 2, "nothing");
+    expect_failure("gallery cube.obj -o result.png --color level", 2, "--color level");
+    expect_failure("gallery missing.obj -o result.png", 1, "missing.obj");
+}
+
+#endif
+
+}  // namespace
+}  // namespace limn
