@@ -114,6 +114,13 @@ limn_add_test(limn_scheme_test cpu ${scheme_test_files})
 target_link_libraries(limn_scheme_test PRIVATE nlohmann_json::nlohmann_json Eigen3::Eigen)
 target_compile_definitions(limn_scheme_test PRIVATE
     LIMN_SCHEME_CHECKS="${CMAKE_CURRENT_SOURCE_DIR}/tests/schemes/scheme_checks.json")
+if(TARGET limn_scheme_peers)
+    limn_add_test(limn_scheme_peers_test cpu
+        tests/schemes/scheme_meshes.cpp tests/schemes/scheme_peers_test.cpp)
+    target_link_libraries(limn_scheme_peers_test PRIVATE limn_scheme_peers nlohmann_json::nlohmann_json)
+    target_compile_definitions(limn_scheme_peers_test PRIVATE
+        LIMN_SCHEME_CHECKS="${CMAKE_CURRENT_SOURCE_DIR}/tests/schemes/scheme_checks.json")
+endif()
 
 enable_language(C)
 function(limn_add_c_test target label)

@@ -50,20 +50,12 @@ const std::map<std::string, Named>& names() {
 }
 
 /// Schemes that limn does not have yet.
-const std::set<std::string> kPending = {"loop-warren",
-                                        "butterfly",
-                                        "mid-edge",
-                                        "kobbelt",
-                                        "sqrt3-interpolatory",
-                                        "4-8",
-                                        "sqrt2-interpolatory",
+const std::set<std::string> kPending = {"kobbelt",
                                         "averaging-4",
                                         "averaging-5",
                                         "averaging-7",
                                         "stam-5",
                                         "stam-triangles-7",
-                                        "sqrt3-composite-2",
-                                        "honeycomb",
                                         "sabin",
                                         "push-back-catmark",
                                         "push-back-loop"};

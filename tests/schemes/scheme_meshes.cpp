@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "shapes/random_mesh.h"
@@ -12,6 +13,29 @@ namespace {
 
 RefinedMesh from_shape(const TestMesh& shape) {
     return {shape.positions_double(), shape.face_sizes, shape.face_vertices};
+}
+
+/// Without the faces around v, and v itself.
+RefinedMesh without_star(const RefinedMesh& mesh, uint32_t v) {
+    RefinedMesh out;
+    std::vector<uint32_t> number(mesh.vertex_count(), kInvalidIndex);
+    auto begin = mesh.face_vertices.begin();
+    for (const uint32_t size : mesh.face_sizes) {
+        const auto end = begin + size;
+        if (std::find(begin, end, v) == end) {
+            out.face_sizes.push_back(size);
+            out.face_vertices.insert(out.face_vertices.end(), begin, end);
+        }
+        begin = end;
+    }
+    for (uint32_t& w : out.face_vertices) {
+        if (number[w] == kInvalidIndex) {
+            number[w] = out.vertex_count();
+            for (size_t k = 0; k < 3; ++k) out.points.push_back(mesh.points[3 * size_t{w} + k]);
+        }
+        w = number[w];
+    }
+    return out;
 }
 
 }  // namespace
@@ -104,6 +128,20 @@ RefinedMesh make_irregular_mesh(const SubdivisionScheme& scheme, bool open, uint
     if (scheme.faces == FaceKind::quads && !open) mesh = refine_mesh(mesh, *find_subdivision_scheme("bilinear"), 1);
     RandomNumbers random(seed);
     for (double& x : mesh.points) x += random.uniform(-0.05, 0.05);
+    return mesh;
+}
+
+RefinedMesh make_random_manifold(const SubdivisionScheme& scheme, bool open, uint64_t seed) {
+    TestMesh shape = make_messy_torus(9, 7, seed);
+    if (scheme.faces == FaceKind::triangles) shape.triangulate();
+    RefinedMesh mesh = from_shape(shape);
+    RandomNumbers random(seed);
+    for (uint32_t holes = open ? 2 : 0, tries = 0; holes != 0 && tries < 100; ++tries) {
+        RefinedMesh cut = without_star(mesh, random.below(mesh.vertex_count()));
+        if (!build_first_stage(control_mesh_of(cut), scheme)) continue;
+        mesh = std::move(cut);
+        --holes;
+    }
     return mesh;
 }
 

@@ -34,4 +34,7 @@ RefinedMesh make_regular_torus(uint32_t n, bool triangles);
 /// A mesh that the scheme takes: closed or open, irregular, without symmetry.
 RefinedMesh make_irregular_mesh(const SubdivisionScheme& scheme, bool open, uint64_t seed);
 
+/// A torus that the scheme takes, if not quads alone, irregular nearly everywhere; with holes where it is open.
+RefinedMesh make_random_manifold(const SubdivisionScheme& scheme, bool open, uint64_t seed);
+
 }  // namespace limn::test

@@ -20,16 +20,11 @@ void corner_row(const Stage& p, uint32_t corner, Row& row) {
     }
 }
 
-/// Chaikin's corner cutting.
-void edge_end_row(const Stage& p, uint32_t end, Row& row) {
-    add(row, p.topology.edge_vertices[end], 0.75);
-    add(row, p.topology.edge_vertices[end ^ 1], 0.25);
-}
-
 }  // namespace
 
 std::span<const Pass> doo_sabin_passes() {
-    static constexpr Pass passes[] = {{SplitKind::corners, {keep_vertex, nullptr, nullptr, corner_row, edge_end_row}}};
+    static constexpr Pass passes[] = {
+        {SplitKind::corners, {keep_vertex, nullptr, nullptr, corner_row, chaikin_edge_end}}};
     return passes;
 }
 

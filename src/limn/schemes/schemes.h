@@ -14,10 +14,27 @@ std::span<const Pass> linear_passes();  ///< triangles
 std::span<const Pass> doo_sabin_passes();
 std::span<const Pass> sqrt3_passes();
 std::span<const Pass> averaging_passes(uint32_t degree);  ///< 2 to 9
+std::span<const Pass> loop_warren_passes();
+std::span<const Pass> butterfly_passes();
+std::span<const Pass> butterfly_zorin_passes();
+std::span<const Pass> sqrt3_interpolatory_passes();
+std::span<const Pass> sqrt3_composite_passes(uint32_t count);  ///< 2 or 3
+std::span<const Pass> four_eight_passes();
+std::span<const Pass> sqrt2_balanced_passes();
+std::span<const Pass> sqrt2_interpolatory_passes();
+std::span<const Pass> honeycomb_passes();
+std::span<const Pass> mid_edge_passes();
+std::span<const Pass> midpoint_passes();
+std::span<const Pass> midpoint_normalised_passes();
 
 // Masks that more than one scheme uses.
 void keep_vertex(const Stage& parent, uint32_t v, Row& row);
 void face_centroid(const Stage& parent, uint32_t f, Row& row);
 void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
+// Curves along boundaries, which end in fixed corners: Chaikin's corner cutting, cubic B-splines, the
+// four-point scheme.
+void chaikin_edge_end(const Stage& parent, uint32_t end, Row& row);
+void cubic_boundary_vertex(const Stage& parent, uint32_t v, Row& row);
+void four_point_boundary_edge(const Stage& parent, uint32_t e, Row& row);
 
 }  // namespace limn::schemes

@@ -36,11 +36,21 @@ class ChildFaces {
         for (const uint32_t v : vertices) add_corner(v);
         end_face();
     }
-    void finish(const SchemeOptions& options, bool full, const BuildPart& part) {
-        split_.child = topology_of_faces(options, points_, std::move(offsets_), std::move(vertices_), full, part);
+    void finish(const Topology& parent, bool full, const BuildPart& part) {
+        split_.child =
+            topology_of_faces(parent.options, points_, std::move(offsets_), std::move(vertices_), full, part);
+        if (full && !part.is_cancelled()) keep_fixed_corners(parent);
     }
 
   private:
+    /// Corners are vertices with one face in the control mesh, whatever meets there later.
+    void keep_fixed_corners(const Topology& parent) {
+        for (const PointBlock& block : split_.blocks)
+            for (uint32_t i = 0; block.origin == Origin::vertex && i < block.count; ++i)
+                if (is_fixed_corner(parent, block.parent(i)))
+                    split_.child.vertex_rules[block.first + i] = VertexRule::corner;
+    }
+
     SplitMesh& split_;
     uint32_t points_ = 0;
     std::vector<uint32_t> offsets_ = {0}, vertices_;
@@ -138,7 +148,7 @@ void split_corners(const Stage& parent, bool full, SplitMesh& out, const BuildPa
         out.face_of_vertex[v] = child.begin_face();
         add_vertex_face(p, v, inside ? nullptr : &boundary, fixed_point[v], child);
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 void split_midpoints(const Stage& parent, bool full, SplitMesh& out, const BuildPart& part) {
@@ -157,7 +167,7 @@ void split_midpoints(const Stage& parent, bool full, SplitMesh& out, const Build
         for (const uint32_t e : p.edges_of_vertex(v)) child.add_corner(e);
         child.end_face();
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 /// Kobbelt 2000. Each second step boundary edges are cut in three; their triangles have no face point then, but a
@@ -196,7 +206,7 @@ void split_sqrt3(const Stage& parent, bool full, SplitMesh& out, const BuildPart
             child.add_face({a, b, point(at[0])});
         }
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 /// Velho and Zorin 2001 (their blocks), Li, Ma and Bao 2004. Boundary edges make half blocks, triangles, whose point of
@@ -217,7 +227,7 @@ void split_sqrt2(const Stage& parent, bool full, SplitMesh& out, const BuildPart
         else if (!halves)
             child.add_face({a, b, left});
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 /// The dual of sqrt3: p(edge, face) for both faces of an edge. Boundary vertices get no face.
@@ -240,7 +250,7 @@ void split_hexagons(const Stage& parent, bool full, SplitMesh& out, const BuildP
         }
         child.end_face();
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 /// Boundary edges become vertices, too, so that boundaries are averaged like curves.
@@ -264,7 +274,7 @@ void split_dual(const Stage& parent, bool full, SplitMesh& out, const BuildPart&
         if (boundary) child.add_corner(edge_point[around.back()]);
         child.end_face();
     }
-    child.finish(p.options, full, part);
+    child.finish(p, full, part);
 }
 
 }  // namespace

@@ -58,6 +58,28 @@ inline BoundaryNeighbors boundary_neighbors(const Topology& t, uint32_t v) {
 inline bool is_fixed_corner(const Topology& t, uint32_t v) {
     return t.vertex_rules[v] == VertexRule::corner;
 }
+/// Adds the point that follows boundary edge b-a beyond a; at a fixed corner, where none does, b mirrored.
+inline void add_boundary_beyond(const Topology& t, uint32_t a, uint32_t b, double weight, Row& row) {
+    if (is_fixed_corner(t, a)) {
+        add(row, a, 2 * weight);
+        return add(row, b, -weight);
+    }
+    const auto [previous, next] = boundary_neighbors(t, a);
+    add(row, previous == b ? next : previous, weight);
+}
+/// The third vertex of the triangle with corner c, away from the edge that begins there.
+inline uint32_t apex_vertex(const Topology& t, uint32_t c) {
+    return t.face_vertices[t.previous_corner(c)];
+}
+/// Adds the vertex of a triangle mesh across the edge that begins at corner c; at a boundary, where there is
+/// none, the apex on this side, reflected in the middle of the edge.
+inline void add_apex_across(const Topology& t, uint32_t c, double weight, Row& row) {
+    const uint32_t beyond = opposite_corner(t, c);
+    if (beyond != kInvalidIndex) return add(row, apex_vertex(t, beyond), weight);
+    add(row, t.face_vertices[c], weight);
+    add(row, end_vertex(t, c), weight);
+    add(row, apex_vertex(t, c), -weight);
+}
 /// The corner of the face at which a boundary edge begins, the first of them; kInvalidIndex where there is none.
 inline uint32_t boundary_corner(const Topology& t, uint32_t f) {
     for (uint32_t c = t.face_begin(f); c < t.face_begin(f) + t.size_of_face(f); ++c)

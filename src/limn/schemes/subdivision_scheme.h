@@ -77,6 +77,8 @@ struct SubdivisionScheme {
 };
 
 /// All schemes, in the order of the literature: Catmull-Clark, Loop and bilinear among them, by the same machinery.
+/// Not here is what is no sum of points with fixed weights: the convexity-preserving scheme for hexagons of Dyn, Levin
+/// and Liu (1992).
 std::span<const SubdivisionScheme> subdivision_schemes();
 
 /// The scheme of this name, or null.
