@@ -53,20 +53,11 @@ const std::map<std::string, Named>& names() {
 const std::set<std::string> kPending = {"loop-warren",
                                         "butterfly",
                                         "mid-edge",
-                                        "kobbelt",
                                         "sqrt3-interpolatory",
                                         "4-8",
                                         "sqrt2-interpolatory",
-                                        "averaging-4",
-                                        "averaging-5",
-                                        "averaging-7",
-                                        "stam-5",
-                                        "stam-triangles-7",
                                         "sqrt3-composite-2",
-                                        "honeycomb",
-                                        "sabin",
-                                        "push-back-catmark",
-                                        "push-back-loop"};
+                                        "honeycomb"};
 
 struct Moments {
     double sum[3] = {}, outer[6] = {}, low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9}, area = 0, volume = 0;

@@ -13,11 +13,19 @@ std::span<const Pass> bilinear_passes();
 std::span<const Pass> linear_passes();  ///< triangles
 std::span<const Pass> doo_sabin_passes();
 std::span<const Pass> sqrt3_passes();
-std::span<const Pass> averaging_passes(uint32_t degree);  ///< 2 to 9
+std::span<const Pass> averaging_passes(uint32_t degree);      ///< 2 to 9
+std::span<const Pass> stam_passes(uint32_t degree);           ///< 4 to 9
+std::span<const Pass> stam_triangle_passes(uint32_t degree);  ///< 4, 7 or 10
+std::span<const Pass> kobbelt_passes();
+std::span<const Pass> sabin_passes();
+std::span<const Pass> push_back_catmull_clark_passes();
+std::span<const Pass> push_back_loop_passes();
 
 // Masks that more than one scheme uses.
 void keep_vertex(const Stage& parent, uint32_t v, Row& row);
 void face_centroid(const Stage& parent, uint32_t f, Row& row);
 void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
+void refined_vertex(const Stage& parent, uint32_t v, Row& row);  ///< Catmull-Clark's or Loop's
+void refined_edge(const Stage& parent, uint32_t e, Row& row);
 
 }  // namespace limn::schemes

@@ -7,6 +7,35 @@ namespace {
 
 using namespace schemes;
 
+SubdivisionScheme averaging(const char* name, const char* title, uint32_t degree) {
+    return {.name = name,
+            .title = title,
+            .source = "Zorin and Schroeder 2001; boundaries: Lane and Riesenfeld 1980",
+            .passes = averaging_passes(degree),
+            .dual = degree % 2 == 0,
+            .rings = degree / 2 + 1};
+}
+
+SubdivisionScheme stam(const char* name, const char* title, uint32_t degree) {
+    return {.name = name,
+            .title = title,
+            .source = "Stam 2001; rules at irregular vertices and boundaries are a reconstruction",
+            .passes = stam_passes(degree),
+            .dual = degree % 2 == 0,
+            .reconstructed = true,
+            .rings = degree / 2 + 1};
+}
+
+SubdivisionScheme stam_triangles(const char* name, const char* title, uint32_t degree) {
+    return {.name = name,
+            .title = title,
+            .source = "Stam 2001; rules at irregular vertices and boundaries are a reconstruction",
+            .passes = stam_triangle_passes(degree),
+            .faces = FaceKind::triangles,
+            .reconstructed = degree != 4,
+            .rings = (degree + 2) / 3};
+}
+
 std::vector<SubdivisionScheme> list_schemes() {
     return {
         {.name = "catmark",
@@ -45,15 +74,50 @@ std::vector<SubdivisionScheme> list_schemes() {
          .passes = sqrt3_passes(),
          .faces = FaceKind::triangles,
          .period = 2},
-        {.name = "averaging-2",
-         .title = "Averaging, degree 2",
-         .source = "Zorin and Schroeder 2001",
-         .passes = averaging_passes(2),
-         .dual = true},
-        {.name = "averaging-3",
-         .title = "Averaging, degree 3",
-         .source = "Zorin and Schroeder 2001",
-         .passes = averaging_passes(3)},
+        averaging("averaging-2", "Averaging, degree 2", 2),
+        averaging("averaging-3", "Averaging, degree 3", 3),
+        averaging("averaging-4", "Averaging, degree 4", 4),
+        averaging("averaging-5", "Averaging, degree 5", 5),
+        averaging("averaging-6", "Averaging, degree 6", 6),
+        averaging("averaging-7", "Averaging, degree 7", 7),
+        averaging("averaging-8", "Averaging, degree 8", 8),
+        averaging("averaging-9", "Averaging, degree 9", 9),
+        stam("stam-4", "Stam, degree 4", 4),
+        stam("stam-5", "Stam, degree 5", 5),
+        stam("stam-6", "Stam, degree 6", 6),
+        stam("stam-7", "Stam, degree 7", 7),
+        stam("stam-8", "Stam, degree 8", 8),
+        stam("stam-9", "Stam, degree 9", 9),
+        stam_triangles("stam-triangles-4", "Stam, triangles, degree 4", 4),
+        stam_triangles("stam-triangles-7", "Stam, triangles, degree 7", 7),
+        stam_triangles("stam-triangles-10", "Stam, triangles, degree 10", 10),
+        {.name = "kobbelt",
+         .title = "Kobbelt, interpolatory",
+         .source = "Kobbelt 1996; boundaries and which direction's face point counts are a reconstruction",
+         .passes = kobbelt_passes(),
+         .faces = FaceKind::quads,
+         .interpolates = true,
+         .reconstructed = true,
+         .rings = 4},
+        {.name = "sabin",
+         .title = "Sabin, bounded curvature",
+         .source = "Sabin 1991; Levin 2000",
+         .passes = sabin_passes()},
+        {.name = "push-back-catmark",
+         .title = "Catmull-Clark, pushed back",
+         .source = "Maillot and Stam 2001; Lin, Luo, You and Li 2008, whose reading is a reconstruction",
+         .passes = push_back_catmull_clark_passes(),
+         .interpolates = true,
+         .reconstructed = true,
+         .rings = 4},
+        {.name = "push-back-loop",
+         .title = "Loop, pushed back",
+         .source = "Maillot and Stam 2001; Lin, Luo, You and Li 2008, whose reading is a reconstruction",
+         .passes = push_back_loop_passes(),
+         .faces = FaceKind::triangles,
+         .interpolates = true,
+         .reconstructed = true,
+         .rings = 4},
     };
 }
 
