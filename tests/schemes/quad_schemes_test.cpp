@@ -1,8 +1,10 @@
 // Schemes on quads against closed forms: each other, curves, and masks by valence (scheme_checks.json).
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <numeric>
 
 #include "schemes/scheme_meshes.h"
 #include "shapes/random_mesh.h"
@@ -111,29 +113,87 @@ TEST(Kobbelt, OpenGridsAreTensorProductsOfFourPointCurves) {
     expect_same_points(refine_mesh(mesh, scheme_of("kobbelt"), 2, options), points);
 }
 
-/// A vertex of valence n among quads whose other vertices are regular up to two rings out: index 0. Flat, n-fold.
-RefinedMesh make_quad_star(uint32_t n, uint32_t rings) {
+/// A vertex, index 0, with n sectors around it, closed or half open, and regular vertices else. Flat. Triangles: each
+/// quad is two.
+RefinedMesh make_star(uint32_t n, uint32_t rings, bool open, bool triangles) {
     RefinedMesh mesh;
     mesh.points = {0, 0, 0};
-    auto at = [&](uint32_t sector, uint32_t i, uint32_t j) {  // i >= 1 along the sector's ray, j >= 0 beside it
-        return i == 0 ? (j == 0 ? 0 : 1 + (((sector + 1) % n) * rings + j - 1) * (rings + 1))
-                      : 1 + ((sector % n) * rings + i - 1) * (rings + 1) + j;
+    // Point (i, j) of a sector: i along its ray, j along the next one; those of i > 0 are its own.
+    auto at = [&](uint32_t s, uint32_t i, uint32_t j) -> uint32_t {
+        if (i == 0 && j == 0) return 0;
+        if (i == 0 && s + 1 == n && open) return n * rings * (rings + 1) + j;
+        return i == 0 ? 1 + ((s + 1) % n * rings + j - 1) * (rings + 1) : 1 + (s * rings + i - 1) * (rings + 1) + j;
+    };
+    auto add_point = [&](uint32_t s, double i, double j) {
+        const double turn = (open ? M_PI : 2 * M_PI) / n, a = turn * s, b = turn * (s + 1);
+        mesh.points.insert(mesh.points.end(),
+                           {i * std::cos(a) + j * std::cos(b), i * std::sin(a) + j * std::sin(b), 0});
     };
     for (uint32_t s = 0; s < n; ++s)
         for (uint32_t i = 1; i <= rings; ++i)
-            for (uint32_t j = 0; j <= rings; ++j) {
-                const double a = 2 * M_PI * s / n, b = 2 * M_PI * (s + 1) / n;
-                mesh.points.insert(mesh.points.end(),
-                                   {i * std::cos(a) + j * std::cos(b), i * std::sin(a) + j * std::sin(b), 0});
-            }
+            for (uint32_t j = 0; j <= rings; ++j) add_point(s, i, j);
+    for (uint32_t j = 1; open && j <= rings; ++j) add_point(n - 1, 0, j);
+    auto add_face = [&](std::initializer_list<uint32_t> vertices) {
+        mesh.face_sizes.push_back(static_cast<uint32_t>(vertices.size()));
+        mesh.face_vertices.insert(mesh.face_vertices.end(), vertices);
+    };
     for (uint32_t s = 0; s < n; ++s)
         for (uint32_t i = 0; i < rings; ++i)
             for (uint32_t j = 0; j < rings; ++j) {
-                mesh.face_sizes.push_back(4);
-                mesh.face_vertices.insert(mesh.face_vertices.end(),
-                                          {at(s, i, j), at(s, i + 1, j), at(s, i + 1, j + 1), at(s, i, j + 1)});
+                const uint32_t a = at(s, i, j), b = at(s, i + 1, j), c = at(s, i + 1, j + 1), d = at(s, i, j + 1);
+                if (triangles) {
+                    add_face({a, b, d});
+                    add_face({b, c, d});
+                } else {
+                    add_face({a, b, c, d});
+                }
             }
     return mesh;
+}
+
+/// What a step does to the points around vertex 0: itself, its neighbours and, in quads, the vertices opposite.
+struct StarStep {
+    Eigen::MatrixXd matrix;
+    double outside = 0;  ///< the largest weight of any other point
+};
+StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std::span<const double> angles = {}) {
+    const auto refined = build_scheme_refinement<double>(mesh, scheme, {1}, angles);
+    const auto stage = build_first_stage(mesh, scheme);
+    EXPECT_TRUE(refined && stage);
+    const Topology& t = stage->topology;
+    const auto& table = refined->tables[0];
+    const bool triangles = scheme.faces == FaceKind::triangles;
+    std::vector<uint32_t> points = {0}, rows = {0};
+    for (const uint32_t e : t.edges_of_vertex(0)) {
+        points.push_back(t.other_vertex(e, 0));
+        rows.push_back(t.vertex_count + (triangles ? 0 : t.face_count) + e);
+    }
+    for (const uint32_t c : t.corners_of_vertex(0)) {
+        if (triangles) break;
+        points.push_back(t.face_vertices[t.next_corner(t.next_corner(c))]);
+        rows.push_back(t.vertex_count + t.face_of_corner(c));
+    }
+    const auto count = static_cast<Eigen::Index>(points.size());
+    StarStep step{Eigen::MatrixXd::Zero(count, count)};
+    for (size_t r = 0; r < rows.size(); ++r)
+        for (uint32_t k = table.offsets[rows[r]]; k < table.offsets[rows[r] + 1]; ++k) {
+            const auto found = std::find(points.begin(), points.end(), table.indices[k]);
+            if (found == points.end())
+                step.outside = std::max(step.outside, std::abs(table.weights[k]));
+            else
+                step.matrix(static_cast<Eigen::Index>(r), found - points.begin()) += table.weights[k];
+        }
+    return step;
+}
+
+/// Absolute values, the largest first.
+std::vector<double> eigenvalues_of(const StarStep& step) {
+    EXPECT_EQ(step.outside, 0);
+    const Eigen::VectorXcd values = Eigen::EigenSolver<Eigen::MatrixXd>(step.matrix, false).eigenvalues();
+    std::vector<double> sizes;
+    for (const auto& value : values) sizes.push_back(std::abs(value));
+    std::sort(sizes.rbegin(), sizes.rend());
+    return sizes;
 }
 
 /// The weight of control vertex `source` in the row of the first step's point at which `is_row` holds.
@@ -148,7 +208,7 @@ TEST(Sabin, MasksByValence) {
     for (const auto& [valence, masks] : scheme_checks().at("masks").items()) {
         SCOPED_TRACE(valence);
         const auto n = static_cast<uint32_t>(std::stoul(valence));
-        const ControlMesh mesh = control_mesh_of(make_quad_star(n, 2));
+        const ControlMesh mesh = control_mesh_of(make_star(n, 2, false, false));
         const auto refined = build_scheme_refinement<double>(mesh, scheme_of("sabin"), {1});
         const auto stage = build_first_stage(mesh, scheme_of("sabin"));
         ASSERT_TRUE(refined && stage);
@@ -161,6 +221,105 @@ TEST(Sabin, MasksByValence) {
         const double in_edge = (w + 2 * w / (w + 3)) / (w + 3);
         EXPECT_NEAR(weight_of(table, t.vertex_count + t.face_count + edge, 0), in_edge, 1e-14);
         EXPECT_NEAR(weight_of(table, 0, 0), in_edge - gamma * w / (w + 3) + gamma, 1e-14);
+    }
+}
+
+TEST(CurvatureContinuous, EigenvaluesAroundAVertex) {
+    for (const char* name : {"catmark", "loop"})
+        for (uint32_t n = 3; n <= 12; ++n) {
+            SCOPED_TRACE(std::string(name) + " " + std::to_string(n));
+            const bool triangles = name == std::string("loop");
+            const ControlMesh mesh = control_mesh_of(make_star(n, 2, false, triangles));
+            const StarStep ordinary = star_step(mesh, scheme_of(name)),
+                           tuned = star_step(mesh, scheme_of((name + std::string("-g2")).c_str()));
+            if (n == (triangles ? 6u : 4u)) {
+                EXPECT_EQ(ordinary.matrix, tuned.matrix);
+                continue;
+            }
+            const auto before = eigenvalues_of(ordinary), after = eigenvalues_of(tuned);
+            EXPECT_NEAR(after[0], 1, 1e-12);
+            EXPECT_NEAR(after[1], std::max(before[1], 0.4), 1e-12);
+            EXPECT_NEAR(after[2], after[1], 1e-12);
+            EXPECT_LT(after[3], 0.9 * after[1] * after[1] + 1e-12);
+            EXPECT_GT(after[1] * after[1], 1.0 / 8);  // of the next ring
+            EXPECT_GT(before[3], 0.9 * before[1] * before[1]) << "nothing to do";
+            EXPECT_LT((ordinary.matrix - tuned.matrix).cwiseAbs().maxCoeff(), 0.14);
+            EXPECT_LT((tuned.matrix.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-14);
+        }
+}
+
+/// Of a corner vertex with k faces: each with an equal share.
+std::vector<double> angles_of(const ControlMesh& mesh, double angle, uint32_t k) {
+    return std::vector<double>(mesh.face_vertices.size(), angle / k);
+}
+
+TEST(PiecewiseSmooth, TwoEigenvaluesOfOneHalfLead) {
+    for (const char* name : {"catmark-blz", "loop-blz"})
+        for (uint32_t k = 2; k <= 9; ++k)
+            for (const double angle : {0.0, 0.4 * M_PI, 0.9 * M_PI, 1.1 * M_PI, 1.5 * M_PI, 1.9 * M_PI}) {
+                SCOPED_TRACE(std::string(name) + " " + std::to_string(k) + " " + std::to_string(angle));
+                RefinedMesh star = make_star(k, 2, true, name == std::string("loop-blz"));
+                ControlMeshDescription description;
+                description.vertex_count = star.vertex_count();
+                description.face_sizes = star.face_sizes;
+                description.face_vertices = star.face_vertices;
+                const uint32_t corner = 0;
+                const float sharpness = kInfiniteSharpness;
+                if (angle != 0)
+                    description.corner_vertices = {&corner, 1}, description.corner_sharpness = {&sharpness, 1};
+                const auto mesh = ControlMesh::create(description);
+                ASSERT_TRUE(mesh);
+                const auto values = eigenvalues_of(star_step(*mesh, scheme_of(name), angles_of(*mesh, angle, k)));
+                EXPECT_NEAR(values[0], 1, 1e-12);
+                EXPECT_NEAR(values[1], 0.5, 1e-10);
+                EXPECT_NEAR(values[2], 0.5, 1e-10);
+                EXPECT_LT(values[3], 0.5 - 1e-3);
+            }
+}
+
+TEST(PiecewiseSmooth, OrdinaryRulesLoseTheTangentPlane) {
+    EXPECT_GT(eigenvalues_of(star_step(control_mesh_of(make_star(6, 2, true, false)), scheme_of("catmark")))[1], 0.51);
+    EXPECT_GT(eigenvalues_of(star_step(control_mesh_of(make_star(8, 2, true, true)), scheme_of("loop")))[1], 0.51);
+}
+
+/// Left eigenvectors of one half, across the boundary.
+TEST(PiecewiseSmooth, CrossTangents) {
+    for (const bool triangles : {false, true})
+        for (uint32_t k = 2; k <= 8; ++k) {
+            const StarStep step = star_step(control_mesh_of(make_star(k, 2, true, triangles)),
+                                            scheme_of(triangles ? "loop-blz" : "catmark-blz"));
+            const double a = M_PI / k, c = std::cos(a);
+            Eigen::RowVectorXd tangent = Eigen::RowVectorXd::Zero(step.matrix.cols());
+            if (triangles) {
+                const double gamma = 0.5 - c / 4;
+                tangent(0) = -std::sin(a);
+                tangent(1) = tangent(k + 1) = std::sin(a) / 4 - (0.75 - gamma) / std::tan(a / 2);
+                for (uint32_t i = 1; i < k; ++i) tangent(1 + i) = std::sin(i * a);
+            } else {
+                const double r = (1 + c) / std::sin(a), d = k * (3 + c);
+                tangent(0) = 4 * r * (c - 1) / d;
+                tangent(1) = tangent(k + 1) = -r * (1 + 2 * c) / d;
+                for (uint32_t i = 1; i < k; ++i) tangent(1 + i) = 4 * std::sin(i * a) / d;
+                for (uint32_t i = 0; i < k; ++i) tangent(k + 2 + i) = (std::sin(i * a) + std::sin((i + 1) * a)) / d;
+            }
+            EXPECT_LT((tangent * step.matrix - tangent / 2).cwiseAbs().maxCoeff(), 1e-13) << triangles << k;
+        }
+}
+
+TEST(PiecewiseSmooth, AnglesStayWithTheirCorners) {
+    for (const char* name : {"catmark-blz", "loop-blz"}) {
+        const SubdivisionScheme& scheme = scheme_of(name);
+        const ControlMesh mesh = control_mesh_of(make_irregular_mesh(scheme, true, 9));
+        std::vector<double> angles(mesh.face_vertices.size());
+        std::iota(angles.begin(), angles.end(), 1);
+        const auto refined = build_scheme_refinement<double>(mesh, scheme, {1, true}, angles);
+        ASSERT_TRUE(refined);
+        const Topology& t = refined->mesh();
+        for (uint32_t c = 0; c < t.corner_count(); ++c) {
+            if (t.face_vertices[c] >= mesh.vertex_count) continue;
+            const uint32_t face = t.face_of_corner(c), parent = face / 4 * 3 + face % 4;
+            EXPECT_EQ(refined->last.intervals[c], angles[scheme.faces == FaceKind::triangles ? parent : face]);
+        }
     }
 }
 

@@ -118,6 +118,32 @@ std::vector<SubdivisionScheme> list_schemes() {
          .interpolates = true,
          .reconstructed = true,
          .rings = 4},
+        {.name = "catmark-blz",
+         .title = "Catmull-Clark, smooth up to boundaries",
+         .source =
+             "Biermann, Levin and Zorin 2000; concave corners' flatness is a reconstruction, normals are left out",
+         .passes = catmull_clark_blz_passes(),
+         .reconstructed = true,
+         .creases = CreaseRules::semi_sharp},
+        {.name = "loop-blz",
+         .title = "Loop, smooth up to boundaries",
+         .source =
+             "Biermann, Levin and Zorin 2000; concave corners' flatness is a reconstruction, normals are left out",
+         .passes = loop_blz_passes(),
+         .faces = FaceKind::triangles,
+         .reconstructed = true,
+         .creases = CreaseRules::semi_sharp},
+        {.name = "catmark-g2",
+         .title = "Catmull-Clark, G2",
+         .source = "Prautzsch and Umlauf 1998, by construction: coefficients are not theirs",
+         .passes = catmull_clark_g2_passes(),
+         .reconstructed = true},
+        {.name = "loop-g2",
+         .title = "Loop, G2",
+         .source = "Prautzsch and Umlauf 1998, 2000, by construction: coefficients are not theirs",
+         .passes = loop_g2_passes(),
+         .faces = FaceKind::triangles,
+         .reconstructed = true},
     };
 }
 
