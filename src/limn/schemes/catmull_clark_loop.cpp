@@ -1,21 +1,17 @@
-// Catmull and Clark 1978, Loop 1987 and linear interpolation, with the creases of DeRose, Kass and Truong 1998: the
-// rows that limn has for them (scheme.h, stencil_row.h).
+// Catmull and Clark 1978, Loop 1987 and linear interpolation, with the creases of DeRose, Kass and Truong
+// 1998: the rows that limn has for them (scheme.h, stencil_row.h).
 #include "limn/schemes/schemes.h"
 #include "limn/schemes/star.h"
 #include "limn/stencil_row.h"
 
 namespace limn::schemes {
-namespace {
 
-void vertex_row(const Stage& p, uint32_t v, Row& row) {
+void refined_vertex(const Stage& p, uint32_t v, Row& row) {
     refinement_row(p.topology, child_of_vertex(v), Interpolation::vertex, row);
 }
-void edge_row(const Stage& p, uint32_t e, Row& row) {
+void refined_edge(const Stage& p, uint32_t e, Row& row) {
     refinement_row(p.topology, child_of_edge(p.topology, e), Interpolation::vertex, row);
 }
-
-}  // namespace
-
 void keep_vertex(const Stage&, uint32_t v, Row& row) {
     add(row, v, 1);
 }
@@ -28,11 +24,11 @@ void edge_midpoint(const Stage& p, uint32_t e, Row& row) {
 }
 
 std::span<const Pass> catmull_clark_passes() {
-    static constexpr Pass passes[] = {{SplitKind::quads, {vertex_row, face_centroid, edge_row}}};
+    static constexpr Pass passes[] = {{SplitKind::quads, {refined_vertex, face_centroid, refined_edge}}};
     return passes;
 }
 std::span<const Pass> loop_passes() {
-    static constexpr Pass passes[] = {{SplitKind::triangles, {vertex_row, nullptr, edge_row}}};
+    static constexpr Pass passes[] = {{SplitKind::triangles, {refined_vertex, nullptr, refined_edge}}};
     return passes;
 }
 std::span<const Pass> bilinear_passes() {

@@ -26,6 +26,17 @@ std::span<const Pass> honeycomb_passes();
 std::span<const Pass> mid_edge_passes();
 std::span<const Pass> midpoint_passes();
 std::span<const Pass> midpoint_normalised_passes();
+std::span<const Pass> averaging_passes(uint32_t degree);      ///< 2 to 9
+std::span<const Pass> stam_passes(uint32_t degree);           ///< 4 to 9
+std::span<const Pass> stam_triangle_passes(uint32_t degree);  ///< 4, 7 or 10
+std::span<const Pass> kobbelt_passes();
+std::span<const Pass> sabin_passes();
+std::span<const Pass> push_back_catmull_clark_passes();
+std::span<const Pass> push_back_loop_passes();
+std::span<const Pass> catmull_clark_blz_passes();
+std::span<const Pass> loop_blz_passes();
+std::span<const Pass> catmull_clark_g2_passes();
+std::span<const Pass> loop_g2_passes();
 
 // Masks that more than one scheme uses.
 void keep_vertex(const Stage& parent, uint32_t v, Row& row);
@@ -36,5 +47,7 @@ void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
 void chaikin_edge_end(const Stage& parent, uint32_t end, Row& row);
 void cubic_boundary_vertex(const Stage& parent, uint32_t v, Row& row);
 void four_point_boundary_edge(const Stage& parent, uint32_t e, Row& row);
+void refined_vertex(const Stage& parent, uint32_t v, Row& row);  ///< Catmull-Clark's or Loop's
+void refined_edge(const Stage& parent, uint32_t e, Row& row);
 
 }  // namespace limn::schemes

@@ -13,6 +13,14 @@ inline void add_centroid(const Topology& t, uint32_t face, double weight, Row& r
     for (const uint32_t v : vertices) add(row, v, weight / static_cast<double>(vertices.size()));
 }
 
+/// Scales by `weight` what `append` appends to the row.
+template <class Append>
+void add_scaled(Row& row, double weight, const Append& append) {
+    const size_t begin = row.size();
+    append();
+    for (size_t i = begin; i < row.size(); ++i) row[i].weight *= weight;
+}
+
 inline bool is_boundary_edge(const Topology& t, uint32_t e) {
     return t.corners_of_edge(e).size() == 1;
 }

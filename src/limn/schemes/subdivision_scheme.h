@@ -19,7 +19,8 @@ struct Stage {
     Topology topology;  ///< options.scheme is loop where faces are split into triangles, else catmull_clark
     uint32_t step = 0;  ///< whole steps that lie behind it; boundary rules of some schemes alternate
     /// Knot intervals of non-uniform schemes: one for each corner, of the edge that begins there in its face, as seen
-    /// from that end or from both (each scheme says so). Empty: all are one.
+    /// from that end or from both (each scheme says so). Empty: all are one. Of schemes with convex and concave corners:
+    /// the angle of each face corner in radians; empty: all are convex.
     Array<double> intervals;
 };
 
