@@ -26,7 +26,6 @@ std::span<const Pass> honeycomb_passes();
 std::span<const Pass> mid_edge_passes();
 std::span<const Pass> midpoint_passes();
 std::span<const Pass> midpoint_normalised_passes();
-std::span<const Pass> averaging_passes(uint32_t degree);      ///< 2 to 9
 std::span<const Pass> stam_passes(uint32_t degree);           ///< 4 to 9
 std::span<const Pass> stam_triangle_passes(uint32_t degree);  ///< 4, 7 or 10
 std::span<const Pass> kobbelt_passes();
