@@ -12,6 +12,7 @@ set(shape_files
 )
 set(test_files
     tests/control_mesh_test.cpp
+    tests/topology_test.cpp
     tests/build_control_test.cpp
     tests/refined_grid_test.cpp
     tests/refinement_test.cpp
