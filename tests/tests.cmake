@@ -12,6 +12,7 @@ set(shape_files
 )
 set(test_files
     tests/control_mesh_test.cpp
+    tests/topology_test.cpp
     tests/build_control_test.cpp
     tests/refined_grid_test.cpp
     tests/refinement_test.cpp
@@ -31,6 +32,7 @@ set(scheme_test_files
     tests/schemes/scheme_invariants_test.cpp
     tests/schemes/scheme_goldens_test.cpp
     tests/schemes/quad_schemes_test.cpp
+    tests/schemes/scheme_masks_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "limn/compose.h"
 #include "limn/parallel.h"
@@ -40,32 +42,46 @@ void for_each_row(uint32_t count, const BuildPart& part, const Body& body) {
     });
 }
 
-/// A table of `row_count` rows over source_count points; row_of(r, row) appends row r, and is called twice for each: to
-/// count its entries, and to write them. Errors: too_large past 2^32 - 1 entries, cancelled.
+/// Rows of a block of a table, before it is known where they go.
+template <class Real>
+struct RowBlock {
+    std::vector<uint32_t> indices;
+    std::vector<Real> weights;
+};
+
+/// A table of `row_count` rows over source_count points; row_of(r, row) appends row r, and is called once for each.
+/// Holds as much as the table beside it while it is built. Errors: too_large past 2^32 - 1 entries, cancelled.
 template <class Real, class RowOf>
 Result<BasicStencilTable<Real>> build_table_of_rows(uint32_t source_count, uint32_t row_count, const BuildPart& part,
                                                     const RowOf& row_of) {
+    constexpr uint32_t kBlock = 1024;
     BasicStencilTable<Real> table;
     table.source_count = source_count;
     table.offsets.allocate(size_t{row_count} + 1);
     table.offsets.back() = 0;
-    for_each_row(row_count, part.part(0, 0.5f), [&](uint32_t r, Row& row) {
-        row_of(r, row);
-        merge_repeated(row);
-        table.offsets[r] = static_cast<uint32_t>(row.size());
+    std::vector<RowBlock<Real>> blocks(row_count / kBlock + 1);
+    for_each_block(row_count, part.part(0, 0.85f), kBlock, [&](uint32_t begin, uint32_t end) {
+        RowBlock<Real>& block = blocks[begin / kBlock];
+        Row row;
+        for (uint32_t r = begin; r != end; ++r) {
+            row.clear();
+            row_of(r, row);
+            merge_repeated(row);
+            table.offsets[r] = static_cast<uint32_t>(row.size());
+            for (const RowEntry& entry : row) {
+                block.indices.push_back(entry.index);
+                block.weights.push_back(static_cast<Real>(entry.weight));
+            }
+        }
     });
     if (auto ok = part.check(); !ok) return ok.error();
     if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
     table.indices.allocate(table.offsets.back());
     table.weights.allocate(table.offsets.back());
-    for_each_row(row_count, part.part(0.5f, 0.95f), [&](uint32_t r, Row& row) {
-        row_of(r, row);
-        merge_repeated(row);
-        uint32_t at = table.offsets[r];
-        for (const RowEntry& entry : row) {
-            table.indices[at] = entry.index;
-            table.weights[at++] = static_cast<Real>(entry.weight);
-        }
+    for_each_block(row_count, part.part(0.85f, 0.95f), kBlock, [&](uint32_t begin, uint32_t) {
+        RowBlock<Real> block = std::move(blocks[begin / kBlock]);
+        std::copy(block.indices.begin(), block.indices.end(), table.indices.begin() + table.offsets[begin]);
+        std::copy(block.weights.begin(), block.weights.end(), table.weights.begin() + table.offsets[begin]);
     });
     if (auto ok = part.reach(1); !ok) return ok.error();
     return table;

@@ -178,6 +178,22 @@ void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>
                    [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
 }
 
+/// Edges and stars of whatever faces there are.
+void build_any_incidence(Topology& t, Array<uint8_t>& non_manifold_edges, const BuildPart& part) {
+    Array<uint32_t> first;
+    Array<uint8_t> non_manifold_corners;
+    find_first_corners(t, first, non_manifold_corners, part.part(0, 0.45f));
+    build_incidence(t, first, part.part(0.45f, 0.8f));
+    t.vertex_manifold.assign(t.vertex_count, 1);
+    non_manifold_edges.assign(t.edge_count, 0);
+    for_each_in_order(t.corner_count(), part.part(0.8f, 0.85f), [&](uint32_t c) {
+        if (non_manifold_corners[c] == 0) return;
+        non_manifold_edges[t.face_edges[c]] = 1;
+        t.vertex_manifold[t.face_vertices[c]] = t.vertex_manifold[t.face_vertices[t.next_corner(c)]] = 0;
+    });
+    order_stars(t, part.part(0.85f, 1));
+}
+
 }  // namespace
 
 void build_incidence(Topology& t, const Array<uint32_t>& first, const BuildPart& part) {
@@ -234,18 +250,14 @@ Topology build_topology(const ControlMesh& mesh, const BuildPart& part) {
     Topology t;
     t.options = mesh.options;
     copy_faces(mesh, t, part.part(0, 0.05f));
-    Array<uint32_t> first;
-    Array<uint8_t> non_manifold_corners, non_manifold_edges;
-    find_first_corners(t, first, non_manifold_corners, part.part(0.05f, 0.4f));
-    build_incidence(t, first, part.part(0.4f, 0.7f));
-    t.vertex_manifold.assign(t.vertex_count, 1);
-    non_manifold_edges.assign(t.edge_count, 0);
-    for_each_in_order(t.corner_count(), part.part(0.7f, 0.75f), [&](uint32_t c) {
-        if (non_manifold_corners[c] == 0) return;
-        non_manifold_edges[t.face_edges[c]] = 1;
-        t.vertex_manifold[t.face_vertices[c]] = t.vertex_manifold[t.face_vertices[t.next_corner(c)]] = 0;
-    });
-    order_stars(t, part.part(0.75f, 0.85f));
+    Array<uint8_t> non_manifold_edges;
+    if (build_manifold_incidence(t, part.part(0.05f, 0.85f))) {
+        t.vertex_manifold.allocate(t.vertex_count);
+        for_each_index(t.vertex_count, part.part(0.85f, 0.85f), [&](uint32_t v) { t.vertex_manifold[v] = !t.corners_of_vertex(v).empty(); });
+        non_manifold_edges.assign(t.edge_count, 0);
+    } else {
+        build_any_incidence(t, non_manifold_edges, part.part(0.05f, 0.85f));
+    }
     assign_sharpness(mesh, t, non_manifold_edges, part.part(0.85f, 0.95f));
     build_half_edge_sharpness(t, part.part(0.95f, 1));
     return t;

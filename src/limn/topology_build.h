@@ -39,6 +39,10 @@ void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t
 /// are numbered in that order. Stars come in corner and edge order.
 void build_incidence(Topology& t, const Array<uint32_t>& first, const BuildPart& part = {});
 
+/// Both at once for an oriented manifold, faster, with the same result: edges and ordered stars from face_vertices.
+/// False where the mesh is none, or not a plain one; what was made so far is then of no use.
+bool build_manifold_incidence(Topology& t, const BuildPart& part = {});
+
 /// Orders the stars of vertices flagged in vertex_manifold counter-clockwise; clears the flag where that
 /// fails.
 void order_stars(Topology& t, const BuildPart& part = {});
