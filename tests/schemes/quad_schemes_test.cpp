@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "schemes/scheme_meshes.h"
-#include "shapes/random_mesh.h"
+#include "schemes/tensor_grid.h"
 
 namespace limn::test {
 namespace {
@@ -42,8 +42,6 @@ TEST(Stam, OneSmoothingIsCatmullClarkOrLoop) {
         }
 }
 
-using Matrix = std::vector<std::vector<double>>;  // rows
-
 /// A step of the four-point scheme on an open polygon of n points, continued by 2 a - b at its ends.
 Matrix four_point_step(size_t n) {
     Matrix step(2 * n - 1, std::vector<double>(n));
@@ -63,50 +61,11 @@ Matrix four_point_step(size_t n) {
     return step;
 }
 
-/// Points of a grid, columns by rows, refined along both directions, as a set of points to look up.
-std::vector<double> refine_grid(const std::vector<double>& points, size_t columns, const Matrix& u, const Matrix& v) {
-    std::vector<double> out;
-    for (const auto& row_v : v)
-        for (const auto& row_u : u)
-            for (size_t k = 0; k < 3; ++k) {
-                double sum = 0;
-                for (size_t j = 0; j < row_v.size(); ++j)
-                    for (size_t i = 0; i < row_u.size(); ++i)
-                        sum += row_v[j] * row_u[i] * points[3 * (j * columns + i) + k];
-                out.push_back(sum);
-            }
-    return out;
-}
-
-/// The distance of the point from the nearest of `points`.
-double distance_to(const double* point, const std::vector<double>& points) {
-    double least = HUGE_VAL;
-    for (size_t v = 0; v < points.size(); v += 3)
-        least = std::min(least, std::hypot(point[0] - points[v], point[1] - points[v + 1], point[2] - points[v + 2]));
-    return least;
-}
-
-void expect_same_points(const RefinedMesh& mesh, const std::vector<double>& points) {
-    ASSERT_EQ(mesh.points.size(), points.size());
-    for (size_t v = 0; v < points.size(); v += 3) {
-        EXPECT_LT(distance_to(mesh.points.data() + v, points), 1e-12);
-        EXPECT_LT(distance_to(points.data() + v, mesh.points), 1e-12);
-    }
-}
-
 TEST(Kobbelt, OpenGridsAreTensorProductsOfFourPointCurves) {
     SchemeOptions options;
     options.boundary = BoundaryInterpolation::edge_and_corner;
-    const size_t columns = 5, rows = 4;
-    RandomNumbers random(3);
-    RefinedMesh mesh;
-    for (size_t i = 0; i < 3 * columns * rows; ++i) mesh.points.push_back(random.uniform(-1, 1));
-    for (uint32_t j = 0; j + 1 < rows; ++j)
-        for (uint32_t i = 0; i + 1 < columns; ++i) {
-            const uint32_t a = j * static_cast<uint32_t>(columns) + i, d = a + static_cast<uint32_t>(columns);
-            mesh.face_sizes.push_back(4);
-            mesh.face_vertices.insert(mesh.face_vertices.end(), {a, a + 1, d + 1, d});
-        }
+    const uint32_t columns = 5, rows = 4;
+    const RefinedMesh mesh = make_random_grid(columns, rows, 3);
     auto points = refine_grid(mesh.points, columns, four_point_step(columns), four_point_step(rows));
     expect_same_points(refine_mesh(mesh, scheme_of("kobbelt"), 1, options), points);
     points = refine_grid(points, 2 * columns - 1, four_point_step(2 * columns - 1), four_point_step(2 * rows - 1));

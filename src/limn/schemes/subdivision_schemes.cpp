@@ -144,6 +144,12 @@ std::vector<SubdivisionScheme> list_schemes() {
          .passes = loop_g2_passes(),
          .faces = FaceKind::triangles,
          .reconstructed = true},
+        {.name = "nurss",
+         .title = "NURSS, cubic",
+         .source = "Sederberg, Zheng, Sewell and Sabin 1998; boundaries and unlike intervals of opposite edges are a "
+                   "reconstruction",
+         .passes = nurss_passes(),
+         .reconstructed = true},
     };
 }
 

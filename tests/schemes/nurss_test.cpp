@@ -1,0 +1,127 @@
+// Non-uniform surfaces against knot insertion (Boehm 1980), one knot after the other.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "schemes/tensor_grid.h"
+
+namespace limn::test {
+namespace {
+
+const SubdivisionScheme& scheme_of(const char* name) {
+    const SubdivisionScheme* scheme = find_subdivision_scheme(name);
+    EXPECT_NE(scheme, nullptr) << name;
+    return *scheme;
+}
+
+/// A curve's control points as sums of given ones, and its knots: point i has knots i to i + degree + 1.
+struct Curve {
+    size_t degree;
+    Matrix points;
+    std::vector<double> knots;
+
+    void insert(double knot) {
+        const size_t j = static_cast<size_t>(std::upper_bound(knots.begin(), knots.end(), knot) - knots.begin()) - 1;
+        Matrix next;
+        for (size_t i = 0; i <= points.size(); ++i) {
+            if (i + degree <= j || i > j) {
+                next.push_back(points[i <= j ? i : i - 1]);
+                continue;
+            }
+            const double a = (knot - knots[i]) / (knots[i + degree] - knots[i]);
+            next.emplace_back(points[0].size());
+            for (size_t k = 0; k < next.back().size(); ++k)
+                next.back()[k] = (i > 0 ? (1 - a) * points[i - 1][k] : 0) + (i < points.size() ? a * points[i][k] : 0);
+        }
+        points = std::move(next);
+        knots.insert(knots.begin() + static_cast<std::ptrdiff_t>(j) + 1, knot);
+    }
+};
+
+/// A step of a cubic curve with these intervals on the edges of its polygon, continued beyond both ends by reflection.
+Matrix cubic_step(const std::vector<double>& intervals) {
+    const auto n = static_cast<int>(intervals.size()) + 1, beyond = 4;
+    Curve curve{3, {}, {0}};
+    for (int i = -beyond; i < n + beyond; ++i) {
+        const int end = i < 0 ? 0 : n - 1, mirrored = 2 * end - i;
+        std::vector<double> point(static_cast<size_t>(n));
+        if (i >= 0 && i < n) {
+            point[static_cast<size_t>(i)] = 1;
+        } else {
+            point[static_cast<size_t>(end)] = 2;
+            point[static_cast<size_t>(mirrored)] = -1;
+        }
+        curve.points.push_back(std::move(point));
+    }
+    auto interval = [&](int i) {  // of the edge after point i
+        return intervals[static_cast<size_t>(i < 0 ? -i - 1 : i > n - 2 ? 2 * n - 3 - i : i)];
+    };
+    curve.knots = {-2, -1, 0};  // point i's own knot is that after the first two
+    for (int i = -beyond; i + 1 < n + beyond; ++i) curve.knots.push_back(curve.knots.back() + interval(i));
+    std::vector<double> middles;
+    for (size_t i = 2; i + 1 < curve.knots.size(); ++i) middles.push_back((curve.knots[i] + curve.knots[i + 1]) / 2);
+    curve.knots.push_back(curve.knots.back() + 1);
+    curve.knots.push_back(curve.knots.back() + 1);
+    for (const double knot : middles) curve.insert(knot);
+    return {curve.points.begin() + 2 * beyond, curve.points.end() - 2 * beyond};
+}
+
+std::vector<double> halves(const std::vector<double>& intervals) {
+    std::vector<double> out;
+    for (const double d : intervals) out.insert(out.end(), {d / 2, d / 2});
+    return out;
+}
+
+std::vector<double> points_after(const RefinedMesh& mesh, const char* name, uint32_t level,
+                                 std::span<const double> intervals, BoundaryInterpolation boundary) {
+    SchemeOptions options;
+    options.boundary = boundary;
+    const auto refined =
+        build_scheme_refinement<double>(control_mesh_of(mesh, options), scheme_of(name), {level}, intervals);
+    EXPECT_TRUE(refined);
+    std::vector<double> points = mesh.points;
+    for (const auto& table : refined->tables) {
+        std::vector<double> next(size_t{3} * table.row_count());
+        apply_stencil_table<double>(table, points, next, 3);
+        points = std::move(next);
+    }
+    return points;
+}
+
+/// Intervals of a grid's corners, from those of its columns and rows.
+std::vector<double> grid_intervals(const std::vector<double>& u, const std::vector<double>& v) {
+    std::vector<double> out;
+    for (const double b : v)
+        for (const double a : u) out.insert(out.end(), {a, b, a, b});
+    return out;
+}
+
+TEST(Nurss, OpenGridsAreTensorProductsByKnotInsertion) {
+    for (const double third : {0.7, 0.0}) {
+        const std::vector<double> u = {1, 2.5, third, 0.3, 1.9, 1.2}, v = {0.8, 0.5, 3, 1.1, 0.9};
+        const RefinedMesh mesh = make_random_grid(7, 6, 1);
+        const auto intervals = grid_intervals(u, v);
+        auto expected = refine_grid(mesh.points, 7, cubic_step(u), cubic_step(v));
+        const auto corners = BoundaryInterpolation::edge_and_corner;
+        expect_same_points({points_after(mesh, "nurss", 1, intervals, corners), {}, {}}, expected);
+        if (third == 0) continue;  // knots of multiplicity four and more are no curve's
+        expected = refine_grid(expected, 13, cubic_step(halves(u)), cubic_step(halves(v)));
+        expect_same_points({points_after(mesh, "nurss", 2, intervals, corners), {}, {}}, expected);
+    }
+}
+
+TEST(Nurss, EqualIntervalsAreCatmullClark) {
+    for (const bool open : {false, true})
+        for (const double interval : {1.0, 3.0}) {
+            const RefinedMesh mesh = make_irregular_mesh(scheme_of("nurss"), open, 3);
+            const std::vector<double> intervals(mesh.face_vertices.size(), interval);
+            const auto a = points_after(mesh, "nurss", 3, intervals, BoundaryInterpolation::edge_only),
+                       b = points_after(mesh, "catmark", 3, {}, BoundaryInterpolation::edge_only);
+            ASSERT_EQ(a.size(), b.size());
+            for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-13);
+        }
+}
+
+}  // namespace
+}  // namespace limn::test
