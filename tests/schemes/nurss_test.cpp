@@ -123,5 +123,100 @@ TEST(Nurss, EqualIntervalsAreCatmullClark) {
         }
 }
 
+/// A step of a closed quadratic curve with these intervals at its points.
+Matrix closed_quadratic_step(const std::vector<double>& intervals) {
+    const size_t n = intervals.size();
+    Curve curve{2, {}, {-1, 0}};  // point i's interval lies between the second and third of its knots
+    for (size_t i = 0; i < 3 * n; ++i) {
+        curve.points.emplace_back(n);
+        curve.points.back()[i % n] = 1;
+        curve.knots.push_back(curve.knots.back() + intervals[i % n]);
+    }
+    std::vector<double> middles;
+    for (size_t i = 1; i + 1 < curve.knots.size(); ++i) middles.push_back((curve.knots[i] + curve.knots[i + 1]) / 2);
+    curve.knots.push_back(curve.knots.back() + 1);
+    for (const double knot : middles) curve.insert(knot);
+    // Half intervals 2 i and 2 i + 1 are those of given interval i.
+    const auto first = curve.points.begin() + static_cast<std::ptrdiff_t>(2 * n);
+    return {first, first + static_cast<std::ptrdiff_t>(2 * n)};
+}
+
+TEST(NurssQuadratic, TorusesAreTensorProductsByKnotInsertion) {
+    const std::vector<double> u = {1, 2.5, 0.7, 0, 1.9}, v = {0.8, 0.5, 3, 1.1, 0.9};
+    const RefinedMesh mesh = make_regular_torus(5, false);
+    std::vector<double> intervals;  // of corners at (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)
+    for (size_t j = 0; j < 5; ++j)
+        for (size_t i = 0; i < 5; ++i) intervals.insert(intervals.end(), {u[i], v[j], u[(i + 1) % 5], v[(j + 1) % 5]});
+    auto expected = refine_grid(mesh.points, 5, closed_quadratic_step(u), closed_quadratic_step(v));
+    expect_same_points({points_after(mesh, "nurss-quadratic", 1, intervals, BoundaryInterpolation::edge_only), {}, {}},
+                       expected);
+    std::vector<double> positive = intervals;
+    for (double& d : positive) d = d == 0 ? 0.4 : d;
+    const std::vector<double> w = {1, 2.5, 0.7, 0.4, 1.9};
+    expected = refine_grid(mesh.points, 5, closed_quadratic_step(w), closed_quadratic_step(v));
+    expected = refine_grid(expected, 10, closed_quadratic_step(halves(w)), closed_quadratic_step(halves(v)));
+    expect_same_points({points_after(mesh, "nurss-quadratic", 2, positive, BoundaryInterpolation::edge_only), {}, {}},
+                       expected);
+}
+
+TEST(NurssQuadratic, EqualIntervalsAreDooSabin) {
+    for (const auto boundary :
+         {BoundaryInterpolation::edge_only, BoundaryInterpolation::edge_and_corner, BoundaryInterpolation::none})
+        for (const bool open : {false, true}) {
+            const RefinedMesh mesh = make_irregular_mesh(scheme_of("nurss-quadratic"), open, 3);
+            const std::vector<double> intervals(mesh.face_vertices.size(), 3);
+            const auto a = points_after(mesh, "nurss-quadratic", 3, intervals, boundary),
+                       b = points_after(mesh, "doo-sabin", 3, {}, boundary);
+            ASSERT_EQ(a.size(), b.size());
+            for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-13);
+        }
+}
+
+/// Whatever the intervals, zeros among them.
+TEST(NonUniform, RowsSumToOneAndOrderDoesNotMatter) {
+    for (const char* name : {"nurss", "nurss-quadratic"})
+        for (const bool open : {false, true}) {
+            const RefinedMesh mesh = make_irregular_mesh(scheme_of(name), open, 4);
+            RandomNumbers random(5);
+            std::vector<double> intervals(mesh.face_vertices.size());
+            for (double& d : intervals) d = std::max(0.0, random.uniform(-0.5, 2));
+            // Faces begin one corner later.
+            RefinedMesh turned = mesh;
+            std::vector<double> turned_intervals = intervals;
+            size_t begin = 0;
+            for (const uint32_t n : mesh.face_sizes) {
+                const auto at = static_cast<std::ptrdiff_t>(begin);
+                std::rotate(turned.face_vertices.begin() + at, turned.face_vertices.begin() + at + 1,
+                            turned.face_vertices.begin() + at + n);
+                std::rotate(turned_intervals.begin() + at, turned_intervals.begin() + at + 1,
+                            turned_intervals.begin() + at + n);
+                begin += n;
+            }
+            const auto boundary = BoundaryInterpolation::edge_only;
+            expect_same_points({points_after(turned, name, 3, turned_intervals, boundary), {}, {}},
+                               points_after(mesh, name, 3, intervals, boundary));
+            RefinedMesh ones = mesh;
+            std::fill(ones.points.begin(), ones.points.end(), 1.0);
+            for (const double x : points_after(ones, name, 3, intervals, boundary)) ASSERT_NEAR(x, 1, 1e-13);
+            std::fill(intervals.begin(), intervals.end(), 0.0);
+            for (const double x : points_after(ones, name, 2, intervals, boundary)) ASSERT_NEAR(x, 1, 1e-13);
+        }
+}
+
+TEST(NonUniform, BadIntervalsAreErrors) {
+    const RefinedMesh mesh = make_irregular_mesh(scheme_of("nurss"), false, 4);
+    std::vector<double> intervals(mesh.face_vertices.size(), 1.0);
+    auto code = [&] {
+        const auto refined = build_scheme_refinement<double>(control_mesh_of(mesh), scheme_of("nurss"), {1}, intervals);
+        return refined ? ErrorCode{} : refined.error().code;
+    };
+    intervals[3] = -1;
+    EXPECT_EQ(code(), ErrorCode::invalid_argument);
+    intervals[3] = NAN;
+    EXPECT_EQ(code(), ErrorCode::invalid_argument);
+    intervals.pop_back();
+    EXPECT_EQ(code(), ErrorCode::invalid_argument);
+}
+
 }  // namespace
 }  // namespace limn::test

@@ -150,6 +150,13 @@ std::vector<SubdivisionScheme> list_schemes() {
                    "reconstruction",
          .passes = nurss_passes(),
          .reconstructed = true},
+        {.name = "nurss-quadratic",
+         .title = "NURSS, quadratic",
+         .source =
+             "Sederberg, Zheng, Sewell and Sabin 1998; faces that are no quads and boundaries are a reconstruction",
+         .passes = nurss_quadratic_passes(),
+         .dual = true,
+         .reconstructed = true},
     };
 }
 
