@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "limn/schemes/corner_values.h"
 #include "schemes/tensor_grid.h"
 
 namespace limn::test {
@@ -216,6 +217,43 @@ TEST(NonUniform, BadIntervalsAreErrors) {
     EXPECT_EQ(code(), ErrorCode::invalid_argument);
     intervals.pop_back();
     EXPECT_EQ(code(), ErrorCode::invalid_argument);
+}
+
+TEST(CornerValues, IntervalsOfEdges) {
+    RefinedMesh mesh;  // two quads beside each other
+    mesh.points.resize(18);
+    mesh.face_sizes = {4, 4};
+    mesh.face_vertices = {0, 1, 4, 3, 1, 2, 5, 4};
+    const ControlMesh control = control_mesh_of(mesh);
+    const std::vector<uint32_t> edges = {1, 4, 0, 1, 4, 1, 0, 1};
+    const std::vector<float> values = {2, 9, 3, 4};
+    const auto intervals = corner_intervals(control, edges, values);
+    ASSERT_TRUE(intervals);
+    EXPECT_EQ(*intervals, (std::vector<double>{4, 2, 1, 1, 1, 1, 1, 3}));
+    auto error = [&](std::vector<uint32_t> e, std::vector<float> v) {
+        const auto result = corner_intervals(control, e, v);
+        return result ? Error{ErrorCode::cancelled, "", 0} : result.error();
+    };
+    EXPECT_EQ(error({0, 1, 0, 4}, {1, 1}).code, ErrorCode::missing_edge);
+    EXPECT_EQ(error({0, 1, 0, 4}, {1, 1}).element, 1u);
+    EXPECT_EQ(error({0, 1, 7, 9}, {1, 1}).code, ErrorCode::missing_edge);
+    EXPECT_EQ(error({0, 1}, {-1}).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error({0, 1}, {NAN}).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(error({0, 1, 2}, {1}).code, ErrorCode::invalid_argument);
+}
+
+TEST(CornerValues, Angles) {
+    RefinedMesh mesh;
+    mesh.face_sizes = {3};
+    mesh.face_vertices = {0, 1, 2};
+    mesh.points.resize(9);
+    const std::vector<float> positions = {0, 0, 1, 2, 0, 1, 0, 2, 1};
+    const auto angles = corner_angles(control_mesh_of(mesh), positions);
+    ASSERT_TRUE(angles);
+    EXPECT_NEAR((*angles)[0], M_PI / 2, 1e-15);
+    EXPECT_NEAR((*angles)[1], M_PI / 4, 1e-15);
+    EXPECT_NEAR((*angles)[2], M_PI / 4, 1e-15);
+    EXPECT_FALSE(corner_angles(control_mesh_of(mesh), std::span(positions).first(8)));
 }
 
 }  // namespace
