@@ -30,7 +30,6 @@ set(scheme_test_files
     tests/schemes/scheme_meshes.cpp
     tests/schemes/scheme_invariants_test.cpp
     tests/schemes/scheme_goldens_test.cpp
-    tests/schemes/tensor_grid.h
     tests/schemes/quad_schemes_test.cpp
     tests/schemes/nurss_test.cpp
 )

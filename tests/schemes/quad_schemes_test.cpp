@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "schemes/scheme_meshes.h"
 #include "schemes/tensor_grid.h"
@@ -110,28 +111,16 @@ RefinedMesh make_star(uint32_t n, uint32_t rings, bool open, bool triangles) {
     return mesh;
 }
 
-/// What a step does to the points around vertex 0: itself, its neighbours and, in quads, the vertices opposite.
+/// What a step makes of some points: of those that take their place, by row of the step's table.
 struct StarStep {
     Eigen::MatrixXd matrix;
     double outside = 0;  ///< the largest weight of any other point
 };
-StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std::span<const double> angles = {}) {
+StarStep step_between(const ControlMesh& mesh, const SubdivisionScheme& scheme, const std::vector<uint32_t>& points,
+                      const std::vector<uint32_t>& rows, std::span<const double> angles = {}) {
     const auto refined = build_scheme_refinement<double>(mesh, scheme, {1}, angles);
-    const auto stage = build_first_stage(mesh, scheme);
-    EXPECT_TRUE(refined && stage);
-    const Topology& t = stage->topology;
+    EXPECT_TRUE(refined);
     const auto& table = refined->tables[0];
-    const bool triangles = scheme.faces == FaceKind::triangles;
-    std::vector<uint32_t> points = {0}, rows = {0};
-    for (const uint32_t e : t.edges_of_vertex(0)) {
-        points.push_back(t.other_vertex(e, 0));
-        rows.push_back(t.vertex_count + (triangles ? 0 : t.face_count) + e);
-    }
-    for (const uint32_t c : t.corners_of_vertex(0)) {
-        if (triangles) break;
-        points.push_back(t.face_vertices[t.next_corner(t.next_corner(c))]);
-        rows.push_back(t.vertex_count + t.face_of_corner(c));
-    }
     const auto count = static_cast<Eigen::Index>(points.size());
     StarStep step{Eigen::MatrixXd::Zero(count, count)};
     for (size_t r = 0; r < rows.size(); ++r)
@@ -143,6 +132,25 @@ StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std
                 step.matrix(static_cast<Eigen::Index>(r), found - points.begin()) += table.weights[k];
         }
     return step;
+}
+
+/// Of vertex 0, its neighbours and, in quads, the vertices opposite.
+StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std::span<const double> angles = {}) {
+    const auto stage = build_first_stage(mesh, scheme);
+    EXPECT_TRUE(stage);
+    const Topology& t = stage->topology;
+    const bool triangles = scheme.faces == FaceKind::triangles;
+    std::vector<uint32_t> points = {0}, rows = {0};
+    for (const uint32_t e : t.edges_of_vertex(0)) {
+        points.push_back(t.other_vertex(e, 0));
+        rows.push_back(t.vertex_count + (triangles ? 0 : t.face_count) + e);
+    }
+    for (const uint32_t c : t.corners_of_vertex(0)) {
+        if (triangles) break;
+        points.push_back(t.face_vertices[t.next_corner(t.next_corner(c))]);
+        rows.push_back(t.vertex_count + t.face_of_corner(c));
+    }
+    return step_between(mesh, scheme, points, rows, angles);
 }
 
 /// Absolute values, the largest first.
@@ -205,6 +213,67 @@ TEST(CurvatureContinuous, EigenvaluesAroundAVertex) {
             EXPECT_LT((ordinary.matrix - tuned.matrix).cwiseAbs().maxCoeff(), 0.14);
             EXPECT_LT((tuned.matrix.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-14);
         }
+}
+
+/// Refined again and again the surroundings of a vertex become its characteristic map: no triangle may turn over.
+TEST(ButterflyG1, CharacteristicMapsAreRegular) {
+    for (const uint32_t n : {3u, 4u, 5u, 7u, 8u, 9u, 12u, 16u}) {
+        SCOPED_TRACE(n);
+        const RefinedMesh mesh = make_star(n, 4, false, true);
+        const auto refined =
+            build_scheme_refinement<double>(control_mesh_of(mesh), scheme_of("butterfly-g1"), {4, true});
+        ASSERT_TRUE(refined);
+        std::vector<double> points = mesh.points;
+        for (const auto& table : refined->tables) {
+            std::vector<double> next(size_t{3} * table.row_count());
+            apply_stencil_table<double>(table, points, next, 3);
+            points = std::move(next);
+        }
+        const Topology& t = refined->mesh();
+        std::set<uint32_t> patch = {0};
+        for (int ring = 0; ring < 3; ++ring)
+            for (const uint32_t v : std::vector<uint32_t>(patch.begin(), patch.end()))
+                for (const uint32_t e : t.edges_of_vertex(v)) patch.insert(t.other_vertex(e, v));
+        auto at = [&](uint32_t v) { return Eigen::Vector2d(points[3 * size_t{v}], points[3 * size_t{v} + 1]); };
+        for (const uint32_t v : patch)
+            for (const uint32_t c : t.corners_of_vertex(v)) {
+                const Eigen::Vector2d a = at(t.face_vertices[t.next_corner(c)]) - at(v),
+                                      b = at(t.face_vertices[t.previous_corner(c)]) - at(v);
+                EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0.01 * a.norm() * b.norm());
+            }
+    }
+}
+
+TEST(ButterflyG1, EigenvaluesAroundAVertex) {
+    for (uint32_t n = 3; n <= 20; ++n) {
+        SCOPED_TRACE(n);
+        const ControlMesh mesh = control_mesh_of(make_star(n, 3, false, true));
+        const auto stage = build_first_stage(mesh, scheme_of("butterfly-g1"));
+        ASSERT_TRUE(stage);
+        const Topology& t = stage->topology;
+        // Neighbours, the points opposite, the points straight behind; and what becomes them.
+        std::vector<uint32_t> points = {0}, rows = {0};
+        for (const uint32_t e : t.edges_of_vertex(0)) {
+            points.push_back(t.other_vertex(e, 0));
+            rows.push_back(t.vertex_count + e);
+        }
+        for (const uint32_t c : t.corners_of_vertex(0)) {
+            const uint32_t opposite = t.face_edges[t.next_corner(c)], u = t.face_vertices[t.next_corner(c)];
+            for (const uint32_t at : t.corners_of_edge(opposite))
+                if (t.face_of_corner(at) != t.face_of_corner(c))
+                    points.push_back(t.face_vertices[t.previous_corner(at)]);
+            rows.push_back(t.vertex_count + opposite);
+            const auto around = t.edges_of_vertex(u);
+            const auto own = std::find(around.begin(), around.end(), t.face_edges[c]) - around.begin();
+            points.push_back(t.other_vertex(around[static_cast<size_t>(own + 3) % 6], u));
+            rows.push_back(u);
+        }
+        const auto values = eigenvalues_of(step_between(mesh, scheme_of("butterfly-g1"), points, rows));
+        EXPECT_NEAR(values[0], 1, 1e-12);
+        EXPECT_NEAR(values[1], values[2], 1e-7);
+        EXPECT_GT(values[1], 0.3999);
+        EXPECT_LT(values[3], 0.9 * values[1] + 1e-7);
+    }
 }
 
 /// Of a corner vertex with k faces: each with an equal share.
