@@ -107,6 +107,10 @@ TEST(ObjRead, Tags) {
     EXPECT_EQ(model.corner_vertices, (Indices{0, 1, 2, 2, 3}));
     EXPECT_EQ(model.corner_sharpness, (Floats{1.5f, 10, 10, 0, 3}));
     EXPECT_EQ(model.holes, (Indices{1, 0, 1}));
+    const Model intervals = parsed(kQuad + "f 1 2 3 4\nt interval 2/1/0 0 1 2.5\nt interval 3/1/0 1 2 3 4\n"
+                                           "t interval 3/2/0 3 2 1 0 7\n");
+    EXPECT_EQ(intervals.interval_edges, (Indices{0, 1, 1, 2, 2, 3, 3, 2, 2, 1}));
+    EXPECT_EQ(intervals.intervals, (Floats{2.5f, 4, 4, 0, 7}));
     EXPECT_FALSE(model.boundary || model.face_varying || model.creasing || model.triangles);
 }
 
@@ -156,7 +160,8 @@ struct Malformed {
 };
 
 using enum ErrorCode;
-constexpr ErrorCode kParse = parse_error, kRange = index_out_of_range, kSharpness = invalid_sharpness;
+constexpr ErrorCode kParse = parse_error, kRange = index_out_of_range, kSharpness = invalid_sharpness,
+                    kArgument = invalid_argument;
 constexpr Malformed kMalformed[] = {
     {"v 0 abc 0|vn 0 0 abc|vt abc|t crease 2/1/0 0 1 abc|v 1 2 3 abc", kParse, "malformed number 'abc'"},
     {"v 0 +-1 0", kParse, "malformed number '+-1'"},
@@ -194,6 +199,11 @@ constexpr Malformed kMalformed[] = {
     {"t crease 4/2/0 0 1 2 3 1 1", kParse, "tag crease needs 1 sharpness value, or one for each of 3"},
     {"t crease 2/1/0 0 1 -1|t crease 2/1/0 0 1 nan|t corner 1/1/0 1 -inf", kSharpness,
      "sharpness is negative or not a number"},
+    {"t interval 2/1/0 0 1 -1|t interval 2/1/0 0 1 nan|t interval 3/2/0 0 1 2 1 inf", kArgument,
+     "an interval is negative or no number"},
+    {"t interval 3/0/0 0 1 2", kParse, "tag interval needs 1 interval, or one for each of 2"},
+    {"t interval 1/1/0 0 1", kParse, "tag interval needs at least 2 vertices"},
+    {"t interval 2/1/0 0 4 1", kRange, "interval vertex index 4 is out of range: 4 in the file"},
     {"t crease 2/1/0 0 4 1", kRange, "crease vertex index 4 is out of range: 4 in the file"},
     {"t crease 2/1/0 0 -1 1", kRange, "crease vertex index is negative"},
     {"t corner 1/1/0 4 1", kRange, "corner vertex index 4 is out of range: 4 in the file"},
@@ -264,7 +274,7 @@ const std::string kEverything =
     "\xef\xbb\xbf# all of it\r\nv 0 0 0\nv +1 0 -.5e-3\nv 1 1 0 1\nv 0 1 0 .1 .2 .3\nvt 0 0\nvt 1 \\\n 0\nvt "
     "1\n"
     "vn 0 0 1\ng a \\\n b\nf 1/1/1 2/2/1 3/3/1 -1/-1/-1\nf 1//1 2//1 3//1\nf 1 2 3\np 1\n"
-    "t crease 3/2/0 0 1 2 1 inf\nt corner 2/1/0 0 1 2.5\nt hole 1/0/0 1\nt interpolateboundary 1/0/0 1\n"
+    "t crease 3/2/0 0 1 2 1 inf\nt interval 2/1/0 0 1 2\nt corner 2/1/0 0 1 2.5\nt hole 1/0/0 1\nt interpolateboundary 1/0/0 1\n"
     "t facevaryinginterpolateboundary 1/0/0 3\nt creasemethod 0/0/1 chaikin\nt smoothtriangles 0/0/1 "
     "smooth\n";
 
@@ -294,6 +304,8 @@ void expect_sound(const std::string& text) {
     EXPECT_TRUE(below(model->face_vertices, model->vertex_count()));
     EXPECT_TRUE(below(model->crease_vertices, model->vertex_count()));
     EXPECT_TRUE(below(model->corner_vertices, model->vertex_count()));
+    EXPECT_TRUE(below(model->interval_edges, model->vertex_count()));
+    EXPECT_EQ(model->interval_edges.size(), 2 * model->intervals.size());
     EXPECT_TRUE(below(model->holes, model->face_count()));
     EXPECT_TRUE(below(model->face_texture_coordinates, model->texture_coordinates.size() / 2));
     const size_t textured = model->face_texture_coordinates.size();

@@ -32,6 +32,9 @@ struct Model {
     std::vector<float> corner_sharpness;  ///< one per corner vertex, >= 0, may be infinite
     std::vector<uint32_t> holes;          ///< faces
 
+    std::vector<uint32_t> interval_edges;  ///< pairs of vertices
+    std::vector<float> intervals;          ///< one per pair, finite, >= 0: corner_intervals() takes both
+
     /// What the tags say about the surface; the last tag of a kind counts.
     std::optional<BoundaryInterpolation> boundary;
     std::optional<FaceVaryingInterpolation> face_varying;
@@ -54,6 +57,7 @@ ControlMeshDescription describe(Model& model, const SchemeOptions& defaults = {}
 /// - `f`: corners `i`, `i/j`, `i//k` or `i/j/k`; nothing after a slash is the same as no slash. Indices
 ///   count from 1, or back from the last element so far where negative, and may refer to later ones.
 /// - `t crease N/M/0`: N >= 2 vertices, an edge or the chain along them; M sharpness values, 1 or N - 1.
+/// - `t interval N/M/0`: the same with knot intervals of non-uniform schemes; not a tag of OpenSubdiv.
 /// - `t corner N/M/0`: N vertices; M sharpness values, 1 or N.
 /// - `t hole N/0/0`: N faces.
 /// - `t interpolateboundary 1/0/0`: 0 none, 1 edge and corner, 2 edge only.
@@ -64,7 +68,7 @@ ControlMeshDescription describe(Model& model, const SchemeOptions& defaults = {}
 /// and so is what follows a `#`. A `\` before a line end continues the line. Lines end in LF or CR LF.
 ///
 /// Errors: cannot_open and out_of_memory as read_file(); parse_error, not_finite, index_out_of_range,
-/// face_too_small, invalid_sharpness, too_large (more than 2^31 - 1 of anything). Except for the first two,
+/// face_too_small, invalid_sharpness, invalid_argument (an interval), too_large (more than 2^31 - 1 of anything). Except for the first two,
 /// Error::element is the line, counted from 1, and Error::message is one line, `PATH:LINE: cause`.
 Result<Model> read_obj(const std::string& path);
 

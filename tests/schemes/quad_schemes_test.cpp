@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "schemes/scheme_meshes.h"
-#include "shapes/random_mesh.h"
+#include "schemes/tensor_grid.h"
 
 namespace limn::test {
 namespace {
@@ -42,8 +43,6 @@ TEST(Stam, OneSmoothingIsCatmullClarkOrLoop) {
         }
 }
 
-using Matrix = std::vector<std::vector<double>>;  // rows
-
 /// A step of the four-point scheme on an open polygon of n points, continued by 2 a - b at its ends.
 Matrix four_point_step(size_t n) {
     Matrix step(2 * n - 1, std::vector<double>(n));
@@ -63,50 +62,11 @@ Matrix four_point_step(size_t n) {
     return step;
 }
 
-/// Points of a grid, columns by rows, refined along both directions, as a set of points to look up.
-std::vector<double> refine_grid(const std::vector<double>& points, size_t columns, const Matrix& u, const Matrix& v) {
-    std::vector<double> out;
-    for (const auto& row_v : v)
-        for (const auto& row_u : u)
-            for (size_t k = 0; k < 3; ++k) {
-                double sum = 0;
-                for (size_t j = 0; j < row_v.size(); ++j)
-                    for (size_t i = 0; i < row_u.size(); ++i)
-                        sum += row_v[j] * row_u[i] * points[3 * (j * columns + i) + k];
-                out.push_back(sum);
-            }
-    return out;
-}
-
-/// The distance of the point from the nearest of `points`.
-double distance_to(const double* point, const std::vector<double>& points) {
-    double least = HUGE_VAL;
-    for (size_t v = 0; v < points.size(); v += 3)
-        least = std::min(least, std::hypot(point[0] - points[v], point[1] - points[v + 1], point[2] - points[v + 2]));
-    return least;
-}
-
-void expect_same_points(const RefinedMesh& mesh, const std::vector<double>& points) {
-    ASSERT_EQ(mesh.points.size(), points.size());
-    for (size_t v = 0; v < points.size(); v += 3) {
-        EXPECT_LT(distance_to(mesh.points.data() + v, points), 1e-12);
-        EXPECT_LT(distance_to(points.data() + v, mesh.points), 1e-12);
-    }
-}
-
 TEST(Kobbelt, OpenGridsAreTensorProductsOfFourPointCurves) {
     SchemeOptions options;
     options.boundary = BoundaryInterpolation::edge_and_corner;
-    const size_t columns = 5, rows = 4;
-    RandomNumbers random(3);
-    RefinedMesh mesh;
-    for (size_t i = 0; i < 3 * columns * rows; ++i) mesh.points.push_back(random.uniform(-1, 1));
-    for (uint32_t j = 0; j + 1 < rows; ++j)
-        for (uint32_t i = 0; i + 1 < columns; ++i) {
-            const uint32_t a = j * static_cast<uint32_t>(columns) + i, d = a + static_cast<uint32_t>(columns);
-            mesh.face_sizes.push_back(4);
-            mesh.face_vertices.insert(mesh.face_vertices.end(), {a, a + 1, d + 1, d});
-        }
+    const uint32_t columns = 5, rows = 4;
+    const RefinedMesh mesh = make_random_grid(columns, rows, 3);
     auto points = refine_grid(mesh.points, columns, four_point_step(columns), four_point_step(rows));
     expect_same_points(refine_mesh(mesh, scheme_of("kobbelt"), 1, options), points);
     points = refine_grid(points, 2 * columns - 1, four_point_step(2 * columns - 1), four_point_step(2 * rows - 1));
@@ -151,28 +111,16 @@ RefinedMesh make_star(uint32_t n, uint32_t rings, bool open, bool triangles) {
     return mesh;
 }
 
-/// What a step does to the points around vertex 0: itself, its neighbours and, in quads, the vertices opposite.
+/// What a step makes of some points: of those that take their place, by row of the step's table.
 struct StarStep {
     Eigen::MatrixXd matrix;
     double outside = 0;  ///< the largest weight of any other point
 };
-StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std::span<const double> angles = {}) {
+StarStep step_between(const ControlMesh& mesh, const SubdivisionScheme& scheme, const std::vector<uint32_t>& points,
+                      const std::vector<uint32_t>& rows, std::span<const double> angles = {}) {
     const auto refined = build_scheme_refinement<double>(mesh, scheme, {1}, angles);
-    const auto stage = build_first_stage(mesh, scheme);
-    EXPECT_TRUE(refined && stage);
-    const Topology& t = stage->topology;
+    EXPECT_TRUE(refined);
     const auto& table = refined->tables[0];
-    const bool triangles = scheme.faces == FaceKind::triangles;
-    std::vector<uint32_t> points = {0}, rows = {0};
-    for (const uint32_t e : t.edges_of_vertex(0)) {
-        points.push_back(t.other_vertex(e, 0));
-        rows.push_back(t.vertex_count + (triangles ? 0 : t.face_count) + e);
-    }
-    for (const uint32_t c : t.corners_of_vertex(0)) {
-        if (triangles) break;
-        points.push_back(t.face_vertices[t.next_corner(t.next_corner(c))]);
-        rows.push_back(t.vertex_count + t.face_of_corner(c));
-    }
     const auto count = static_cast<Eigen::Index>(points.size());
     StarStep step{Eigen::MatrixXd::Zero(count, count)};
     for (size_t r = 0; r < rows.size(); ++r)
@@ -184,6 +132,25 @@ StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std
                 step.matrix(static_cast<Eigen::Index>(r), found - points.begin()) += table.weights[k];
         }
     return step;
+}
+
+/// Of vertex 0, its neighbours and, in quads, the vertices opposite.
+StarStep star_step(const ControlMesh& mesh, const SubdivisionScheme& scheme, std::span<const double> angles = {}) {
+    const auto stage = build_first_stage(mesh, scheme);
+    EXPECT_TRUE(stage);
+    const Topology& t = stage->topology;
+    const bool triangles = scheme.faces == FaceKind::triangles;
+    std::vector<uint32_t> points = {0}, rows = {0};
+    for (const uint32_t e : t.edges_of_vertex(0)) {
+        points.push_back(t.other_vertex(e, 0));
+        rows.push_back(t.vertex_count + (triangles ? 0 : t.face_count) + e);
+    }
+    for (const uint32_t c : t.corners_of_vertex(0)) {
+        if (triangles) break;
+        points.push_back(t.face_vertices[t.next_corner(t.next_corner(c))]);
+        rows.push_back(t.vertex_count + t.face_of_corner(c));
+    }
+    return step_between(mesh, scheme, points, rows, angles);
 }
 
 /// Absolute values, the largest first.
@@ -246,6 +213,67 @@ TEST(CurvatureContinuous, EigenvaluesAroundAVertex) {
             EXPECT_LT((ordinary.matrix - tuned.matrix).cwiseAbs().maxCoeff(), 0.14);
             EXPECT_LT((tuned.matrix.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-14);
         }
+}
+
+/// Refined again and again the surroundings of a vertex become its characteristic map: no triangle may turn over.
+TEST(ButterflyG1, CharacteristicMapsAreRegular) {
+    for (const uint32_t n : {3u, 4u, 5u, 7u, 8u, 9u, 12u, 16u}) {
+        SCOPED_TRACE(n);
+        const RefinedMesh mesh = make_star(n, 4, false, true);
+        const auto refined =
+            build_scheme_refinement<double>(control_mesh_of(mesh), scheme_of("butterfly-g1"), {4, true});
+        ASSERT_TRUE(refined);
+        std::vector<double> points = mesh.points;
+        for (const auto& table : refined->tables) {
+            std::vector<double> next(size_t{3} * table.row_count());
+            apply_stencil_table<double>(table, points, next, 3);
+            points = std::move(next);
+        }
+        const Topology& t = refined->mesh();
+        std::set<uint32_t> patch = {0};
+        for (int ring = 0; ring < 3; ++ring)
+            for (const uint32_t v : std::vector<uint32_t>(patch.begin(), patch.end()))
+                for (const uint32_t e : t.edges_of_vertex(v)) patch.insert(t.other_vertex(e, v));
+        auto at = [&](uint32_t v) { return Eigen::Vector2d(points[3 * size_t{v}], points[3 * size_t{v} + 1]); };
+        for (const uint32_t v : patch)
+            for (const uint32_t c : t.corners_of_vertex(v)) {
+                const Eigen::Vector2d a = at(t.face_vertices[t.next_corner(c)]) - at(v),
+                                      b = at(t.face_vertices[t.previous_corner(c)]) - at(v);
+                EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0.01 * a.norm() * b.norm());
+            }
+    }
+}
+
+TEST(ButterflyG1, EigenvaluesAroundAVertex) {
+    for (uint32_t n = 3; n <= 20; ++n) {
+        SCOPED_TRACE(n);
+        const ControlMesh mesh = control_mesh_of(make_star(n, 3, false, true));
+        const auto stage = build_first_stage(mesh, scheme_of("butterfly-g1"));
+        ASSERT_TRUE(stage);
+        const Topology& t = stage->topology;
+        // Neighbours, the points opposite, the points straight behind; and what becomes them.
+        std::vector<uint32_t> points = {0}, rows = {0};
+        for (const uint32_t e : t.edges_of_vertex(0)) {
+            points.push_back(t.other_vertex(e, 0));
+            rows.push_back(t.vertex_count + e);
+        }
+        for (const uint32_t c : t.corners_of_vertex(0)) {
+            const uint32_t opposite = t.face_edges[t.next_corner(c)], u = t.face_vertices[t.next_corner(c)];
+            for (const uint32_t at : t.corners_of_edge(opposite))
+                if (t.face_of_corner(at) != t.face_of_corner(c))
+                    points.push_back(t.face_vertices[t.previous_corner(at)]);
+            rows.push_back(t.vertex_count + opposite);
+            const auto around = t.edges_of_vertex(u);
+            const auto own = std::find(around.begin(), around.end(), t.face_edges[c]) - around.begin();
+            points.push_back(t.other_vertex(around[static_cast<size_t>(own + 3) % 6], u));
+            rows.push_back(u);
+        }
+        const auto values = eigenvalues_of(step_between(mesh, scheme_of("butterfly-g1"), points, rows));
+        EXPECT_NEAR(values[0], 1, 1e-12);
+        EXPECT_NEAR(values[1], values[2], 1e-7);
+        EXPECT_GT(values[1], 0.3999);
+        EXPECT_LT(values[3], 0.9 * values[1] + 1e-7);
+    }
 }
 
 /// Of a corner vertex with k faces: each with an equal share.

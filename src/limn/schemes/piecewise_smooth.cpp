@@ -90,7 +90,8 @@ void edge_row(const Stage& p, uint32_t e, Row& row) {
     const Topology& t = p.topology;
     const auto end = t.edge_sharpness[e] > 0 ? std::nullopt : find_sharp_end(p, e);
     if (!end) return refined_edge(p, e, row);
-    const auto& [v, position, sector] = *end;
+    const uint32_t v = end->vertex;
+    const Sector& sector = end->sector;
     const double gamma = (t.options.scheme == Scheme::loop ? 0.5 : 0.375) - std::cos(sector.angle) / 4;
     const double shape = sector.concave ? 1 - kFlatness : 1;
     add_scaled(row, shape, [&] {
@@ -101,7 +102,7 @@ void edge_row(const Stage& p, uint32_t e, Row& row) {
     if (!sector.concave) return;
     const uint32_t n = edge_valence(t, v);
     add(row, v, kFlatness);
-    add_plane_point(t, v, sector, (position + n - sector.first_edge) % n, kFlatness, row);
+    add_plane_point(t, v, sector, (end->position + n - sector.first_edge) % n, kFlatness, row);
 }
 
 /// Faces of one concave corner: their points lie where a step's parallelogram of edge points has them.

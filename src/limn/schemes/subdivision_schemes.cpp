@@ -237,6 +237,28 @@ std::vector<SubdivisionScheme> list_schemes() {
          .passes = loop_g2_passes(),
          .faces = FaceKind::triangles,
          .reconstructed = true},
+        {.name = "butterfly-g1",
+         .title = "Butterfly, eight points, G1",
+         .source =
+             "Dyn, Levin and Gregory 1990; Prautzsch and Umlauf 2000, by construction: coefficients are not theirs",
+         .passes = butterfly_g1_passes(),
+         .faces = FaceKind::triangles,
+         .interpolates = true,
+         .reconstructed = true,
+         .rings = 4},
+        {.name = "nurss",
+         .title = "NURSS, cubic",
+         .source = "Sederberg, Zheng, Sewell and Sabin 1998; boundaries and unlike intervals of opposite edges are a "
+                   "reconstruction",
+         .passes = nurss_passes(),
+         .reconstructed = true},
+        {.name = "nurss-quadratic",
+         .title = "NURSS, quadratic",
+         .source =
+             "Sederberg, Zheng, Sewell and Sabin 1998; faces that are no quads and boundaries are a reconstruction",
+         .passes = nurss_quadratic_passes(),
+         .dual = true,
+         .reconstructed = true},
     };
 }
 
