@@ -30,6 +30,7 @@ set(scheme_test_files
     tests/schemes/scheme_meshes.cpp
     tests/schemes/scheme_invariants_test.cpp
     tests/schemes/scheme_goldens_test.cpp
+    tests/schemes/scheme_limit_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp
