@@ -34,6 +34,7 @@ set(scheme_test_files
     tests/schemes/quad_schemes_test.cpp
     tests/schemes/scheme_masks_test.cpp
     tests/schemes/nurss_test.cpp
+    tests/schemes/scheme_limit_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp

@@ -76,9 +76,8 @@ std::vector<Complex> sorted(const Matrix& matrix) {
     return values;
 }
 
-/// Columns that span the null space.
 template <class Matrix>
-Matrix null_space(const Matrix& matrix) {
+Matrix null_space_of(const Matrix& matrix) {
     Eigen::FullPivLU<Matrix> lu(matrix);
     lu.setThreshold(kSingular);
     if (lu.dimensionOfKernel() == 0) return Matrix(matrix.rows(), 0);
@@ -126,6 +125,13 @@ std::vector<Complex> sorted_eigenvalues(const Eigen::MatrixXcd& matrix) {
     return sorted(matrix);
 }
 
+Eigen::MatrixXd null_space(const Eigen::MatrixXd& matrix) {
+    return null_space_of(matrix);
+}
+Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& matrix) {
+    return null_space_of(matrix);
+}
+
 Eigen::VectorXd position_mask(const Eigen::MatrixXd& matrix) {
     const auto n = matrix.rows();
     // Adding u 1^T, which the sum of one turns into u, makes I - A^T regular.
@@ -157,9 +163,10 @@ Eigen::MatrixXd LeftVectors::next() {
         for (size_t k = begin; k < at_; ++k) seen = seen || std::abs(eigenvalues_[k] - value) < kSameModulus;
         if (seen) continue;
         if (value.imag() == 0) {
-            append_columns(group, null_space<Eigen::MatrixXd>(transposed_ - value.real() * Eigen::MatrixXd::Identity(n, n)));
+            append_columns(group,
+                           null_space_of<Eigen::MatrixXd>(transposed_ - value.real() * Eigen::MatrixXd::Identity(n, n)));
         } else {
-            const Eigen::MatrixXcd vectors = null_space<Eigen::MatrixXcd>(
+            const Eigen::MatrixXcd vectors = null_space_of<Eigen::MatrixXcd>(
                 transposed_.cast<Complex>() - value * Eigen::MatrixXcd::Identity(n, n));
             append_columns(group, vectors.real());
             append_columns(group, vectors.imag());

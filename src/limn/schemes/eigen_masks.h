@@ -24,6 +24,10 @@ Eigen::MatrixXd block_of(const Eigen::MatrixXd& matrix, const std::vector<int>& 
 std::vector<std::complex<double>> sorted_eigenvalues(const Eigen::MatrixXd& matrix);
 std::vector<std::complex<double>> sorted_eigenvalues(const Eigen::MatrixXcd& matrix);
 
+/// Columns that span what `matrix` takes to nothing, rounding aside.
+Eigen::MatrixXd null_space(const Eigen::MatrixXd& matrix);
+Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& matrix);
+
 /// The left eigenvector of the eigenvalue 1, which is simple, rows of `matrix` summing to one. Sums to one.
 Eigen::VectorXd position_mask(const Eigen::MatrixXd& matrix);
 

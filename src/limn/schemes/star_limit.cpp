@@ -7,21 +7,13 @@
 
 #include "limn/schemes/eigen_masks.h"
 #include "limn/schemes/star.h"
+#include "limn/schemes/star_chain.h"
 
 namespace limn {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr uint32_t kMaxRing = 640;  // vertices next to an element: matrices are dense
-constexpr uint32_t kMaxSteps = 64;  // of finite sharpness, ten; out of reach of other irregular vertices, six
-
-/// One patch of a chain and the rows of the next one over it.
-struct Link {
-    StarPatch patch;
-    std::vector<Row> rows;
-};
 
 /// Masks over all vertices of a patch.
 struct FullMask {
@@ -199,52 +191,6 @@ FullMask expand(const StarMask& mask, uint32_t size) {
     return full;
 }
 
-/// The steps from a patch to one whose mask is known, or to one that was there before.
-struct Chain {
-    std::vector<Link> links;
-    size_t entry = 0;                 ///< where the last step leads
-    const StarMask* known = nullptr;  ///< the mask of what the last step leads to, or null
-    bool exists = true;               ///< false: the element has no child
-
-    size_t cycle_size() const { return links.size() - entry; }
-    /// Link i of the cycle, counted from the one of the least key: the same wherever one enters.
-    const Link& in_cycle(size_t i) const {
-        size_t least = entry;
-        for (size_t k = entry; k < links.size(); ++k)
-            if (links[k].patch.key < links[least].patch.key) least = k;
-        return links[entry + (least - entry + i) % cycle_size()];
-    }
-};
-
-Result<Chain> follow(const StarPatch& patch, const SubdivisionScheme& scheme, const StarLimits& limits) {
-    Chain chain;
-    StarPatch current = patch;
-    while ((chain.known = limits.find(current.key)) == nullptr) {
-        chain.entry = 0;
-        while (chain.entry < chain.links.size() && chain.links[chain.entry].patch.key != current.key) ++chain.entry;
-        if (chain.entry < chain.links.size()) return chain;
-        if (current.ring_size > kMaxRing) return Error{ErrorCode::unsupported, "has too many faces for a limit"};
-        if (chain.links.size() == kMaxSteps)
-            return Error{ErrorCode::unsupported, "has no limit by eigenvectors: no two steps are alike"};
-        PatchStep step = refine_patch(current, scheme, scheme.rings);
-        chain.exists = step.exists;
-        if (!step.exists) return chain;
-        chain.links.push_back({std::move(current), std::move(step.rows)});
-        current = std::move(step.child);
-    }
-    chain.entry = chain.links.size();
-    return chain;
-}
-
-/// What the steps of a cycle together do to the vertices of its first patch.
-MatrixXd matrix_of_cycle(const Chain& chain) {
-    const uint32_t size = chain.in_cycle(0).patch.size();
-    MatrixXd matrix = MatrixXd::Identity(size, size);
-    for (size_t i = 0; i < chain.cycle_size(); ++i)
-        matrix = matrix_of_rows(chain.in_cycle(i).rows, chain.in_cycle(i).patch.size()) * matrix;
-    return matrix;
-}
-
 }  // namespace
 
 const StarMask* StarLimits::find(const std::vector<uint32_t>& key) const {
@@ -259,16 +205,17 @@ const StarMask* StarLimits::insert(const std::vector<uint32_t>& key, StarMask ma
 }
 
 Result<const StarMask*> StarLimits::make(const StarPatch& patch) {
-    auto chain = follow(patch, scheme_, *this);
+    auto chain = follow_steps(patch, scheme_, scheme_.rings,
+                              [&](const std::vector<uint32_t>& key) { return find(key) != nullptr; });
     if (!chain) return chain.error();
     if (!chain->exists) {
         StarMask none;
         none.exists = false;
         return insert(patch.key, std::move(none));
     }
-    const StarMask* mask = chain->known;
+    const StarMask* mask = find(chain->last_key);
     uint32_t size = 0;
-    auto step_back = [&](const Link& link) {
+    auto step_back = [&](const StarLink& link) {
         if (size == 0) size = static_cast<uint32_t>(link.rows.size());
         const FullMask before = expand(*mask, size).before(link.rows, link.patch.size());
         mask = insert(link.patch.key, compress(before, link.patch));
@@ -276,7 +223,7 @@ Result<const StarMask*> StarLimits::make(const StarPatch& patch) {
     };
     if (mask == nullptr) {
         const StarPatch& first = chain->in_cycle(0).patch;
-        mask = insert(first.key, compress(stationary_mask(first, matrix_of_cycle(*chain)), first));
+        mask = insert(first.key, compress(stationary_mask(first, chain->matrix_of_cycle(first.size())), first));
         for (size_t i = chain->cycle_size(); i-- > 1;) step_back(chain->in_cycle(i));
         size = 0;
         mask = find(chain->links[chain->entry].patch.key);

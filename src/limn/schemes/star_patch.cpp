@@ -175,6 +175,35 @@ void StarWalk::walk(const Topology& t, StarStart start, uint32_t rings) {
     }
 }
 
+bool StarWalk::is_pinched(const Topology& t, uint32_t v) const {
+    const auto corners = t.corners_of_vertex(v);
+    const auto count = static_cast<uint32_t>(corners.size());
+    auto is_walked = [&](uint32_t i) {
+        return walked_faces_.find(t.face_of_corner(corners[i % count])) != IndexMap::kMissing;
+    };
+    const bool boundary = is_boundary_vertex(t, v);
+    uint32_t runs = boundary && is_walked(0) ? 1 : 0;
+    for (uint32_t i = boundary ? 1 : 0; i < count; ++i) runs += is_walked(i) && !is_walked(i + count - 1);
+    return runs > 1;
+}
+
+void StarWalk::walk_manifold(const Topology& t, StarStart start, uint32_t rings) {
+    walk(t, start, rings);
+    walked_faces_.clear();
+    auto add_walked = [&](size_t from) {
+        for (; from < face_corners.size(); ++from) walked_faces_.find_or_insert(t.face_of_corner(face_corners[from]), 0);
+    };
+    add_walked(0);
+    for (uint32_t i = ring_ends[rings - 1]; i < vertices.size(); ++i) {
+        if (t.vertex_manifold[vertices[i]] == 0 || !is_pinched(t, vertices[i])) continue;
+        const size_t before = face_corners.size();
+        for (const uint32_t c : t.corners_of_vertex(vertices[i]))
+            if (walked_faces_.find(t.face_of_corner(c)) == IndexMap::kMissing) add_face(t, c);
+        add_walked(before);
+        i = ring_ends[rings - 1] - 1;  // others may be pinched now
+    }
+}
+
 std::vector<uint32_t> patch_key(const Stage& stage, Element element, uint32_t period, uint32_t rings,
                                 const StarWalk& walk) {
     const Topology& t = stage.topology;
@@ -215,17 +244,17 @@ StarStart canonical_start(const Stage& stage, Element element, uint32_t period, 
         if (sharp.count >= 2 || is_boundary_vertex(t, element.index)) turns = 1;
     }
     if (turns > kMaxTurns) turns = 1;
-    walk.walk(t, best, rings);
+    walk.walk_manifold(t, best, rings);
     if (turns < 2) return best;
     std::vector<uint32_t> least = patch_key(stage, element, period, rings, walk);
     for (uint32_t i = 1; i < turns; ++i) {
-        walk.walk(t, {element, i}, rings);
+        walk.walk_manifold(t, {element, i}, rings);
         std::vector<uint32_t> key = patch_key(stage, element, period, rings, walk);
         if (key >= least) continue;
         least = std::move(key);
         best.corner = i;
     }
-    walk.walk(t, best, rings);
+    walk.walk_manifold(t, best, rings);
     return best;
 }
 

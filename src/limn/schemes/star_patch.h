@@ -22,6 +22,9 @@ class StarWalk {
   public:
     /// Walks all faces that touch a vertex of a ring below `rings`.
     void walk(const Topology& t, StarStart start, uint32_t rings);
+    /// The same, and all faces around vertices in which walked faces would meet at a point alone: the splits of schemes
+    /// take manifolds.
+    void walk_manifold(const Topology& t, StarStart start, uint32_t rings);
 
     std::vector<uint32_t> vertices;      ///< label -> vertex
     std::vector<uint32_t> ring_ends;     ///< labels below ring_ends[r] lie in rings 0 .. r
@@ -32,7 +35,9 @@ class StarWalk {
   private:
     void add_face(const Topology& t, uint32_t corner);
 
-    IndexMap labels_;
+    bool is_pinched(const Topology& t, uint32_t v) const;
+
+    IndexMap labels_, walked_faces_;
     std::vector<uint32_t> entries_;  // label -> the corner at which the vertex was found
 };
 
