@@ -83,6 +83,22 @@ TEST(BakedFile, HoldsEveryArrayOfEveryShape) {
     }
 }
 
+TEST(BakedFile, HoldsNoTreesWhereNoneAreAskedFor) {
+    const TestMesh shape = small_shape();
+    const auto mesh = bake_mesh(shape.description(), {.max_rate = 0});
+    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+    EXPECT_EQ(mesh->trees.bytes(), 0u);
+    const Array<std::byte> file = write_baked_bytes(*mesh);
+    const auto loaded = load_baked_bytes(bytes_of(file));
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    expect_same(*mesh, *loaded, "without trees");
+    EXPECT_LT(file.size(), write_baked_bytes(bake(shape)).size());
+    // Half of them is none.
+    BakedMesh torn = bake(shape);
+    torn.trees.max_rate = 0;
+    EXPECT_NE(message_of(bytes_of(write_baked_bytes(torn))).find("rate is too small"), std::string::npos);
+}
+
 /// A crowd in one file.
 TEST(BakedFile, HoldsMergedTables) {
     const BakedMesh parts[] = {bake(small_shape()), bake(make_torus(6, 5))};

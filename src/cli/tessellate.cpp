@@ -158,7 +158,7 @@ Result<TriangleMesh> make_mesh(const Options& options, const ModelTables& model,
 
 Result<void> tessellate_model(const Options& options, Progress& progress) {
     BakeOptions bake;
-    bake.max_rate = max_rate_of(options);
+    bake.max_rate = options.device.device == "cpu" ? 0 : max_rate_of(options);  // the host needs no trees
     const Result<ModelTables> model = ModelTables::load(options.model, options.surface, options.uv, bake, progress);
     if (!model) return model.error();
     const Result<RunDevice> device = RunDevice::create(options.device);

@@ -80,6 +80,7 @@ class Session {
     vk::TessellationResult triangles_ = {};
     std::optional<RateSettings> tessellated_;  ///< what the triangles there were made for
     Bounds bounds_;                            ///< at rest
+    uint32_t max_rate_ = 0;                    ///< that tables are made for
     Bounds reach_;                             ///< of the surface as it moves
     PanelState state_;
     PanelState built_;  ///< what surface_ was made for
@@ -142,20 +143,22 @@ Result<void> Session::start() {
 
 /// Tables and buffers for what is chosen now. On an error what was there stays.
 Result<void> Session::rebuild() {
-    const auto model = options_.load(options_.schemes[static_cast<size_t>(state_.scheme)]);
-    if (!model) return model.error();
-    auto surface = SurfaceMesh::create(device_, *kernels_, model->mesh, model->positions, {});
+    const auto loaded = options_.load(options_.schemes[static_cast<size_t>(state_.scheme)]);
+    if (!loaded) return loaded.error();
+    const BakedMesh& model = **loaded;
+    auto surface = SurfaceMesh::create(device_, *kernels_, model, {});
     if (!surface) return surface.error();
-    RateSettings few;
-    few.value = 4;
+    const RateSettings few = {.value = std::min(4.0f, static_cast<float>(model.trees.max_rate)),
+                              .max_rate = model.trees.max_rate};
     if (const auto done = surface->tessellate(few); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
-    if (auto set = deformer_->set_points(model->positions, surface->control_points()); !set)
+    if (auto set = deformer_->set_points({model.positions.data(), model.positions.size()}, surface->control_points()); !set)
         return set.error();
     renderer_->set_scene(surface->mesh(), surface->control_lines());
     surface_.emplace(std::move(*surface));
     bounds_ = *bounds;
+    max_rate_ = few.max_rate;
     tessellated_.reset();
     built_ = state_;
     surface_changed_ = true;
@@ -219,7 +222,9 @@ RateSettings Session::rates() const {
     settings.mode = mode_of(state_.rate_choice);
     settings.value = state_.rate_values[static_cast<int>(state_.rate_choice)];
     if (state_.rate_choice == RateChoice::chord_error) settings.value *= bounds_.radius();
-    if (state_.rate_choice == RateChoice::uniform) settings.value = std::round(settings.value);
+    settings.max_rate = std::min(settings.max_rate, max_rate_);
+    if (state_.rate_choice == RateChoice::uniform)
+        settings.value = std::min(std::round(settings.value), static_cast<float>(settings.max_rate));
     settings.camera = rate_camera(camera_, extent().width, extent().height);
     return settings;
 }

@@ -2,21 +2,17 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "limn/control_mesh.h"
+#include "limn/baked_mesh.h"
 #include "viewer/picture.h"
 #include "viewer/scene.h"
 #include "viewer/surface_mesh.h"
 
 namespace limn::viewer {
-
-struct ViewModel {
-    ControlMesh mesh;
-    std::vector<float> positions;  ///< 3 per vertex
-};
 
 struct ViewOptions {
     std::string title;
@@ -29,8 +25,8 @@ struct ViewOptions {
     bool animate = false;
     std::vector<std::string> schemes, colors;  ///< to choose among; colours in the order of ColorMode
     int scheme = 0;                            ///< to start with
-    /// The model under a scheme of `schemes`.
-    std::function<Result<ViewModel>(const std::string& scheme)> load;
+    /// The tables of the model under a scheme of `schemes`, with positions.
+    std::function<Result<std::shared_ptr<const BakedMesh>>(const std::string& scheme)> load;
     /// Not 0: show so many frames, a sixtieth of a second apart, then return the last one as the window shows
     /// it.
     uint32_t frame_count = 0;
