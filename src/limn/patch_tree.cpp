@@ -41,18 +41,24 @@ struct Tree {
 /// What all trees of a table may take together. Tables of meshes are far from it; one from elsewhere, whose plans refer
 /// to each other as they like, could ask for any amount.
 struct Budget {
-    static constexpr uint64_t kMostWork = uint64_t{1} << 36;  // multiplications: a minute or so
+    uint64_t most_work;  ///< multiplications
     uint64_t most_weights;
     const BuildPart& part;
-    std::atomic<uint64_t> work = 0, nodes = 0, weights = 0;
+    std::atomic<uint64_t> work = 0, weights = 0;
 
-    bool is_spent() const {
-        return work > kMostWork || nodes >= shared::kMaxTreeFirst || weights > most_weights || part.is_cancelled();
+    Budget(const PatchTable& table, uint64_t max_bytes, const BuildPart& build)
+        : most_weights(max_bytes / sizeof(float)), part(build) {
+        // Trees of meshes take less than each weight of a plan once for each point of the ring.
+        constexpr uint64_t kMargin = 16, kLeast = uint64_t{1} << 28;
+        uint64_t ring = 0;
+        for (const Plan& plan : table.plans) ring = std::max<uint64_t>(ring, plan.ring_size);
+        most_work = kLeast + kMargin * table.plan_weights.size() * ring;
     }
+    bool is_spent() const { return work > most_work || weights > most_weights || part.is_cancelled(); }
     Result<void> check(uint64_t max_bytes) const {
         if (auto ok = part.check(); !ok) return ok;
         if (weights > most_weights) return too_many_weights(max_bytes);
-        if (is_spent()) return Error{ErrorCode::too_large, "patch trees of 2^26 nodes or 2^36 multiplications"};
+        if (is_spent()) return Error{ErrorCode::too_large, "patch trees larger than those of any mesh: plans refer to too many plans"};
         return {};
     }
 };
@@ -65,6 +71,7 @@ struct Visit {
 };
 
 struct Grower {
+    static constexpr uint64_t kNodeWork = 64;  ///< what a node takes, in multiplications
     const PatchTable& table;
     double smallest;  ///< cells up to this size have one place, their irregular corner
     bool triangles;
@@ -101,6 +108,7 @@ struct Grower {
         return tree.add(std::move(row), tangent);
     }
     Visit enter(uint32_t plan) const {
+        budget.work += table.plans[plan].row_count;
         return {plan, {}, std::vector<uint32_t>(table.plans[plan].row_count, kInvalidIndex)};
     }
 
@@ -159,7 +167,7 @@ struct Grower {
         const auto first = static_cast<uint32_t>(tree.nodes.size());
         tree.nodes[slot] = shared::pack_tree_node(static_cast<uint32_t>(node.kind()), rotation, first);
         tree.nodes.resize(first + count);
-        budget.nodes += count;
+        budget.work += count * kNodeWork;
         if (node.kind() != PlanNodeKind::split_v) size_u /= 2;
         if (node.kind() != PlanNodeKind::split_u) size_v /= 2;
         // Down the chain of first children lies the plan's own corner, which ends the chain where it is small.
@@ -380,7 +388,7 @@ Result<PatchTreeTable> build(const PatchTable& table, const PatchTreeOptions& op
     Trees trees(plans.size());
     // Rates are measured at quarters of edges, whatever they may be.
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
-    Budget budget{options.max_weight_bytes / sizeof(float), part};
+    Budget budget(table, options.max_weight_bytes, part);
     const auto key_of = [&](uint32_t t) { return TreeKey{table.plan_identities[plans[t]], smallest, options.relative}; };
     for_each_index(
         static_cast<uint32_t>(plans.size()), part.part(0, 0.4f),
