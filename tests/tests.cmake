@@ -269,6 +269,27 @@ if(LIMN_INSTALL AND LIMN_BUILD_VULKAN AND NOT LIMN_SANITIZE)
     set_tests_properties(consumer.clean consumer.install consumer.find_package consumer.add_subdirectory
         PROPERTIES LABELS packaging)
 
+    # Without CMake: what pkg-config says is all that a compiler is told, in C++ and in C.
+    find_program(LIMN_PKG_CONFIG NAMES pkg-config pkgconf)
+    function(limn_add_pkg_config_test name package compiler flags source)
+        add_test(NAME consumer.${name} COMMAND ${CMAKE_COMMAND} -Dpackage=${package} -Dprefix=${consumer}/prefix
+            -Dpkg_config=${LIMN_PKG_CONFIG} -Dcompiler=${compiler} -Dflags=${flags}
+            -Dsource=${CMAKE_CURRENT_SOURCE_DIR}/tests/${source} -Doutput=${consumer}/pkg_config/${name}
+            -P ${CMAKE_CURRENT_SOURCE_DIR}/tests/consumer/pkg_config.cmake)
+        set_tests_properties(consumer.${name} PROPERTIES FIXTURES_REQUIRED consumer_prefix LABELS packaging
+            ENVIRONMENT LD_LIBRARY_PATH=${consumer}/prefix/${CMAKE_INSTALL_LIBDIR})
+    endfunction()
+    if(LIMN_PKG_CONFIG)
+        limn_add_pkg_config_test(pkg_config limn ${CMAKE_CXX_COMPILER} -std=c++20 consumer/consumer.cpp)
+        limn_add_pkg_config_test(pkg_config_vulkan limn-vulkan ${CMAKE_CXX_COMPILER} -std=c++20 consumer/vulkan_consumer.cpp)
+        limn_add_pkg_config_test(pkg_config_c limn ${CMAKE_C_COMPILER} -std=c99 c/c_api_test.c)
+        if(TARGET limn_osd)
+            limn_add_pkg_config_test(pkg_config_osd limn-osd ${CMAKE_CXX_COMPILER} -std=c++20 consumer/osd_consumer.cpp)
+        endif()
+    else()
+        message(WARNING "pkg-config is not here (Debian: pkgconf): its files are not tested.")
+    endif()
+
     # The example, as whoever copies it builds it; two runs must draw the same closed surface.
     find_package(PNG)
     if(PNG_FOUND)
