@@ -241,8 +241,8 @@ if(LIMN_INSTALL AND LIMN_BUILD_VULKAN AND NOT LIMN_SANITIZE)
     add_test(NAME consumer.clean COMMAND ${CMAKE_COMMAND} -E rm -rf ${consumer}/prefix)
     add_test(NAME consumer.install COMMAND ${CMAKE_COMMAND}
         --install ${CMAKE_CURRENT_BINARY_DIR} --config $<CONFIG> --prefix ${consumer}/prefix)
-    # On the installed package, whose headers a program without exceptions and RTTI includes; then with the sources
-    # as a part of the project, all of it without those: shared, in Debug, and with Clang where it is.
+    # On the installed package, whose headers a program without exceptions and RTTI includes, as all of the library is
+    # built; then with the sources as a part of the project: shared, in Debug, and with Clang where it is.
     set(bare_flags -DCMAKE_CXX_FLAGS=-fno-exceptions\ -fno-rtti)
     find_program(LIMN_CLANG NAMES clang++-14 clang++)
     set(other_compiler ${LIMN_CLANG})
