@@ -24,6 +24,7 @@ set(test_files
     tests/tessellate_test.cpp
     tests/obj_test.cpp
     tests/c/c_parity_test.cpp
+    tests/c/c_pins.cpp
     tests/baked_file_test.cpp
 )
 set(vulkan_test_files
@@ -130,7 +131,8 @@ if(LIMN_BUILD_VULKAN)
     add_dependencies(limn_vulkan_test limn_two_queues)
     limn_add_c_test(limn_c_vulkan_test vulkan tests/c/c_vulkan_test.c)
     target_link_libraries(limn_c_vulkan_test PRIVATE limn_vulkan Vulkan::Vulkan)
-    limn_add_test(limn_c_parity_test vulkan tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_pins.cpp)
+    limn_add_test(limn_c_parity_test vulkan
+        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_pins.cpp)
     target_link_libraries(limn_c_parity_test PRIVATE limn_vulkan Vulkan::Vulkan)
 
     if(LIMN_SANITIZE)  # drivers leak
