@@ -72,9 +72,26 @@ TEST_F(BakeProgram, tessellates_as_the_model) {
     EXPECT_NE(made("tessellate flat.limn", "a.obj"), made("tessellate cube.limn", "a.obj"));
 }
 
+TEST_F(BakeProgram, evaluates_as_the_model) {
+    write("places.csv", "face,u,v\n0,0,0\n0,0.5,0.25\n5,1,1\n3,0.125,0.75\n6,0,0\n2,-1,0\n");
+    for (const std::string options : {"", " --texture"})
+        for (const char* device : {" --device cpu", " --validation"}) {
+            const std::string rest = " --at places.csv" + options + device;
+            const std::string rows = made("eval cube.obj" + rest, "a.csv");
+            EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 7);
+            EXPECT_EQ(made("eval cube.limn" + rest, "a.csv"), rows) << rest;
+        }
+    bake("cube.obj --scheme bilinear --uv none", "flat.limn");
+    EXPECT_NE(made("eval flat.limn --at places.csv", "a.csv"), made("eval cube.limn --at places.csv", "a.csv"));
+    expect_failure("eval flat.limn --at places.csv --texture -o result.csv", 1,
+                   "flat.limn: was baked without texture coordinates");
+}
+
 TEST_F(BakeProgram, needs_no_model) {
     std::filesystem::remove(path("cube.obj"));
     EXPECT_FALSE(made("tessellate cube.limn --device cpu", "a.ply").empty());
+    write("places.csv", "0,0,0\n");
+    EXPECT_FALSE(made("eval cube.limn --at places.csv", "a.csv").empty());
 }
 
 TEST_F(BakeProgram, keeps_rates_within_those_it_was_baked_for) {
@@ -82,6 +99,9 @@ TEST_F(BakeProgram, keeps_rates_within_those_it_was_baked_for) {
     EXPECT_FALSE(made("tessellate few.limn --rate 8", "a.ply").empty());
     EXPECT_FALSE(made("tessellate few.limn --pixel-error 0.01", "a.ply").empty());
     expect_failure("tessellate few.limn --rate 9 -o result.ply", 1, "baked for rates up to 8");
+#ifdef LIMN_HAVE_WINDOW
+    expect_failure("view few.limn --rate 9 --screenshot result.png", 1, "few.limn: was baked for rates up to 8");
+#endif
     bake("cube.obj --max-rate 128", "many.limn");
     EXPECT_EQ(made("tessellate many.limn --rate 100", "a.ply"), made("tessellate cube.obj --rate 100", "a.ply"));
 }
@@ -93,6 +113,19 @@ TEST_F(BakeProgram, draws_the_same_picture) {
     EXPECT_EQ(made("render cube.limn" + look, "a.png"), picture);
     bake("cube.obj --scheme bilinear", "flat.limn");
     EXPECT_NE(made("render flat.limn" + look, "a.png"), picture);
+}
+#endif
+#ifdef LIMN_HAVE_WINDOW
+TEST_F(BakeProgram, shows_a_window) {
+    if (!has_display()) GTEST_SKIP() << kNoDisplay;
+    bake("cube.obj --scheme bilinear --max-rate 2", "flat.limn");  // few rates are enough for it
+    for (const char* model : {"cube.limn --animate", "flat.limn --color rate"}) {
+        const Outcome outcome =
+            show(std::string(model) + " --size 320x240 --pixel-error 0.3 --validation --frames 2 --screenshot a.png");
+        EXPECT_EQ(outcome.status, 0) << model << ": " << outcome.errors;
+        EXPECT_EQ(read("a.png").substr(0, 4), "\x89PNG") << model;
+        std::filesystem::remove(path("a.png"));
+    }
 }
 #endif
 
@@ -114,8 +147,14 @@ TEST_F(BakeProgram, refuses_damaged_files_in_one_line) {
     other = good;
     other[good.size() / 2] ^= 1;
     refused(other, "is damaged");
-    for (const char* command : {"refine cube.limn --level 1 -o result.obj", "bake cube.limn -o result.limn"})
-        expect_failure(command, 1, "cube.limn: is a baked file");
+    write("places.csv", "0,0,0\n");
+    expect_failure("eval bad.limn --at places.csv -o result.csv", 1, "bad.limn: is damaged");
+}
+
+TEST_F(BakeProgram, says_what_needs_the_model_itself) {
+    for (const char* command :
+         {"refine cube.limn --level 1 -o result.obj", "bake cube.limn -o result.limn", "check cube.limn"})
+        expect_failure(command, 1, "cube.limn: is a baked file, which does not keep the control mesh that this needs");
 }
 
 TEST_F(BakeProgram, refuses_options_that_the_bake_settled) {
@@ -124,6 +163,10 @@ TEST_F(BakeProgram, refuses_options_that_the_bake_settled) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
         expect_failure("tessellate cube.limn -o result.ply " + std::string(option), 2, name);
         expect_failure("info cube.limn " + std::string(option), 2, name);
+        expect_failure("eval cube.limn --at - -o result.csv " + std::string(option), 2, name);
+#ifdef LIMN_HAVE_WINDOW
+        expect_failure("view cube.limn --screenshot result.png " + std::string(option), 2, name);
+#endif
 #ifdef LIMN_HAVE_PICTURES
         expect_failure("render cube.limn -o result.png " + std::string(option), 2, name);
 #endif

@@ -83,6 +83,58 @@ TEST(BakedFile, HoldsEveryArrayOfEveryShape) {
     }
 }
 
+TEST(BakedFile, HoldsNoTreesWhereNoneAreAskedFor) {
+    const TestMesh shape = small_shape();
+    const auto mesh = bake_mesh(shape.description(), {.max_rate = 0});
+    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+    EXPECT_EQ(mesh->trees.bytes(), 0u);
+    const Array<std::byte> file = write_baked_bytes(*mesh);
+    const auto loaded = load_baked_bytes(bytes_of(file));
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    expect_same(*mesh, *loaded, "without trees");
+    EXPECT_LT(file.size(), write_baked_bytes(bake(shape)).size());
+    // Half of them is none.
+    BakedMesh torn = bake(shape);
+    torn.trees.max_rate = 0;
+    EXPECT_NE(message_of(bytes_of(write_baked_bytes(torn))).find("rate is too small"), std::string::npos);
+}
+
+/// Strips that each refer to the plan that they are of: one file of a few kilobytes, 256^7 nodes.
+BakedMesh bake_explosion() {
+    BakedMesh mesh = bake(small_shape());
+    PatchTable& t = mesh.patches;
+    Plan& plan = t.plans[t.plans.size() - 1];
+    plan.has_corner_rows = 1;  // where evaluation ends
+    constexpr uint32_t kStripLevels = 6, kStrips = 1u << kStripLevels;
+    std::vector<PlanNode> nodes(t.plan_nodes.begin(), t.plan_nodes.begin() + plan.first_node);
+    const auto add = [&](PlanNodeKind kind, uint32_t first, uint32_t of = 0) {
+        nodes.push_back({shared::pack_node(static_cast<uint32_t>(kind), of, 0), first});
+    };
+    for (uint32_t n = 0; n < kStrips - 1; ++n) add(PlanNodeKind::split_u, 2 * n + 1);
+    for (uint32_t n = 0; n < kStrips; ++n) add(PlanNodeKind::split, 2 * kStrips - 1 + 4 * n);
+    for (uint32_t n = 0; n < 4 * kStrips; ++n) add(PlanNodeKind::plan, 0, static_cast<uint32_t>(t.plans.size() - 1));
+    t.plan_nodes.allocate(nodes.size());
+    std::copy(nodes.begin(), nodes.end(), t.plan_nodes.begin());
+    const std::vector<uint32_t> points(t.plan_points.begin(), t.plan_points.begin() + plan.first_point);
+    t.plan_points.assign(points.size() + plan.ring_size, 0);
+    std::copy(points.begin(), points.end(), t.plan_points.begin());
+    return mesh;
+}
+
+TEST(BakedFile, PlansThatExplodeHaveNoTrees) {
+    const BakedMesh made = bake_explosion();
+    const Array<std::byte> file = write_baked_bytes(made);
+    EXPECT_LT(file.size(), size_t{1} << 20);
+    const auto mesh = load_baked_bytes(bytes_of(file));
+    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+    const auto trees = build_patch_trees(mesh->patches, {});
+    ASSERT_FALSE(trees.has_value());
+    EXPECT_EQ(trees.error().code, ErrorCode::too_large);
+    EXPECT_NE(trees.error().message.find("plans refer to too many plans"), std::string::npos) << trees.error().message;
+    // Places are still evaluated, as all tables that load.
+    follow_patches(mesh->patches, {mesh->positions.data(), mesh->positions.size()}, 3);
+}
+
 /// A crowd in one file.
 TEST(BakedFile, HoldsMergedTables) {
     const BakedMesh parts[] = {bake(small_shape()), bake(make_torus(6, 5))};

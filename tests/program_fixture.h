@@ -38,10 +38,20 @@ class Program : public testing::Test {
     }
 
     Outcome run(const std::string& arguments, const std::string& input = "/dev/null") const {
-        const std::string command = "cd '" + folder_.string() + "' && " LIMN_PROGRAM " " + arguments +
-                                    " >out.txt 2>err.txt <" + input;
-        const int status = std::system(command.c_str());
+        return run_command(LIMN_PROGRAM " " + arguments, input);
+    }
+    Outcome run_command(const std::string& command, const std::string& input) const {
+        const std::string line = "cd '" + folder_.string() + "' && " + command + " >out.txt 2>err.txt <" + input;
+        const int status = std::system(line.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
+    }
+
+    /// limn view, on a display of its own.
+    static bool has_display() { return std::system("command -v xvfb-run xauth >/dev/null") == 0; }
+    static constexpr const char* kNoDisplay =
+        "xvfb-run or xauth is not installed (Debian: xvfb xauth): limn view is not tested";
+    Outcome show(const std::string& arguments) const {
+        return run_command("xvfb-run -a -s '-screen 0 800x600x24' " LIMN_PROGRAM " view " + arguments, "/dev/null");
     }
 
     /// Fails with this status, one line on standard error that holds `cause`, and writes no file.

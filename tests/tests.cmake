@@ -25,6 +25,7 @@ set(test_files
     tests/tessellate_test.cpp
     tests/obj_test.cpp
     tests/c/c_parity_test.cpp
+    tests/c/c_pins.cpp
     tests/baked_file_test.cpp
 )
 set(scheme_test_files
@@ -154,7 +155,8 @@ if(LIMN_BUILD_VULKAN)
     add_dependencies(limn_vulkan_test limn_two_queues)
     limn_add_c_test(limn_c_vulkan_test vulkan tests/c/c_vulkan_test.c)
     target_link_libraries(limn_c_vulkan_test PRIVATE limn_vulkan Vulkan::Vulkan)
-    limn_add_test(limn_c_parity_test vulkan tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_pins.cpp)
+    limn_add_test(limn_c_parity_test vulkan
+        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_pins.cpp)
     target_link_libraries(limn_c_parity_test PRIVATE limn_vulkan Vulkan::Vulkan)
 
     if(LIMN_SANITIZE)  # drivers leak
@@ -265,8 +267,8 @@ if(LIMN_INSTALL AND LIMN_BUILD_VULKAN AND NOT LIMN_SANITIZE)
     add_test(NAME consumer.clean COMMAND ${CMAKE_COMMAND} -E rm -rf ${consumer}/prefix)
     add_test(NAME consumer.install COMMAND ${CMAKE_COMMAND}
         --install ${CMAKE_CURRENT_BINARY_DIR} --config $<CONFIG> --prefix ${consumer}/prefix)
-    # On the installed package, whose headers a program without exceptions and RTTI includes; then with the sources
-    # as a part of the project, all of it without those: shared, in Debug, and with Clang where it is.
+    # On the installed package, whose headers a program without exceptions and RTTI includes, as all of the library is
+    # built; then with the sources as a part of the project: shared, in Debug, and with Clang where it is.
     set(bare_flags -DCMAKE_CXX_FLAGS=-fno-exceptions\ -fno-rtti)
     find_program(LIMN_CLANG NAMES clang++-14 clang++)
     set(other_compiler ${LIMN_CLANG})
@@ -292,6 +294,27 @@ if(LIMN_INSTALL AND LIMN_BUILD_VULKAN AND NOT LIMN_SANITIZE)
     set_tests_properties(consumer.add_subdirectory PROPERTIES TIMEOUT 900)
     set_tests_properties(consumer.clean consumer.install consumer.find_package consumer.add_subdirectory
         PROPERTIES LABELS packaging)
+
+    # Without CMake: what pkg-config says is all that a compiler is told, in C++ and in C.
+    find_program(LIMN_PKG_CONFIG NAMES pkg-config pkgconf)
+    function(limn_add_pkg_config_test name package compiler flags source)
+        add_test(NAME consumer.${name} COMMAND ${CMAKE_COMMAND} -Dpackage=${package} -Dprefix=${consumer}/prefix
+            -Dpkg_config=${LIMN_PKG_CONFIG} -Dcompiler=${compiler} -Dflags=${flags}
+            -Dsource=${CMAKE_CURRENT_SOURCE_DIR}/tests/${source} -Doutput=${consumer}/pkg_config/${name}
+            -P ${CMAKE_CURRENT_SOURCE_DIR}/tests/consumer/pkg_config.cmake)
+        set_tests_properties(consumer.${name} PROPERTIES FIXTURES_REQUIRED consumer_prefix LABELS packaging
+            ENVIRONMENT LD_LIBRARY_PATH=${consumer}/prefix/${CMAKE_INSTALL_LIBDIR})
+    endfunction()
+    if(LIMN_PKG_CONFIG)
+        limn_add_pkg_config_test(pkg_config limn ${CMAKE_CXX_COMPILER} -std=c++20 consumer/consumer.cpp)
+        limn_add_pkg_config_test(pkg_config_vulkan limn-vulkan ${CMAKE_CXX_COMPILER} -std=c++20 consumer/vulkan_consumer.cpp)
+        limn_add_pkg_config_test(pkg_config_c limn ${CMAKE_C_COMPILER} -std=c99 c/c_api_test.c)
+        if(TARGET limn_osd)
+            limn_add_pkg_config_test(pkg_config_osd limn-osd ${CMAKE_CXX_COMPILER} -std=c++20 consumer/osd_consumer.cpp)
+        endif()
+    else()
+        message(WARNING "pkg-config is not here (Debian: pkgconf): its files are not tested.")
+    endif()
 
     # The example, as whoever copies it builds it; two runs must draw the same closed surface.
     find_package(PNG)

@@ -51,7 +51,7 @@ void add_bake(CLI::App& program, int& status) {
         ->capture_default_str();
     add_uv_option(*command, options->uv);
     add_surface_options(*command, options->surface);
-    command->footer("limn info, tessellate and render take the file in place of the model: nothing is built again then.");
+    command->footer("limn info, eval, tessellate, render and view take the file in place of the model: nothing is built again then.");
     command->callback([options, &status] { status = run(*options); });
 }
 

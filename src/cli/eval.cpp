@@ -3,8 +3,10 @@
 
 #include <charconv>
 
+#include "cli/model_tables.h"
 #include "cli/samples_csv.h"
 #include "cli/surface_runner.h"
+#include "limn/file.h"
 #include "limn/patch_table.h"
 
 namespace limn::cli {
@@ -35,20 +37,49 @@ const char* status_name(SampleStatus status) {
 
 /// What is evaluated: positions, or texture coordinates over the same faces.
 struct Quantity {
-    PatchTable table;
+    std::shared_ptr<const void> owner;  ///< of what is pointed to
+    const PatchTable* table = nullptr;
     std::span<const float> control;
     std::string_view components;  ///< a letter each
     uint32_t width() const { return static_cast<uint32_t>(components.size()); }
 };
 
-Result<Quantity> build_quantity(const Options& options, const LoadedModel& loaded) {
-    if (options.texture && loaded.mesh.channels.empty())
-        return Error{ErrorCode::invalid_argument, "not every corner of its faces has texture coordinates"};
-    Result<PatchTable> table = options.texture ? build_face_varying_patch_table<float>(loaded.mesh, 0, {})
-                                               : build_patch_table<float>(loaded.mesh, {});
-    if (!table) return table.error();
-    if (options.texture) return Quantity{std::move(*table), loaded.model.texture_coordinates, "st"};
-    return Quantity{std::move(*table), loaded.model.positions, "xyz"};
+Error name_model(const Options& options, const Error& error) {
+    return {error.code, printable(options.model) + ": " + error.message};
+}
+
+/// Of an OBJ file.
+Result<Quantity> build_quantity(const Options& options, Progress& progress) {
+    struct Built {
+        LoadedModel model;
+        PatchTable table;
+    };
+    Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    auto built = std::make_shared<Built>(Built{std::move(*loaded), {}});
+    const ControlMesh& mesh = built->model.mesh;
+    const Model& model = built->model.model;
+    if (options.texture && mesh.channels.empty())
+        return name_model(options, {ErrorCode::invalid_argument, "not every corner of its faces has texture coordinates"});
+    progress.show("building the patch table of " + plural(mesh.face_count(), "face"));
+    Result<PatchTable> table = options.texture ? build_face_varying_patch_table<float>(mesh, 0, {})
+                                               : build_patch_table<float>(mesh, {});
+    if (!table) return name_model(options, table.error());
+    built->table = std::move(*table);
+    if (options.texture) return Quantity{built, &built->table, model.texture_coordinates, "st"};
+    return Quantity{built, &built->table, model.positions, "xyz"};
+}
+
+/// Of a baked file.
+Result<Quantity> find_quantity(const Options& options, Progress& progress) {
+    Result<ModelTables> loaded = ModelTables::load(options.model, {}, "none", {}, progress);
+    if (!loaded) return loaded.error();
+    const auto tables = std::make_shared<const ModelTables>(std::move(*loaded));
+    if (!options.texture) return Quantity{tables, &tables->mesh().patches, tables->positions(), "xyz"};
+    const BakedChannel* texture = texture_of(tables->mesh());
+    if (texture == nullptr)
+        return name_model(options, {ErrorCode::invalid_argument, "was baked without texture coordinates"});
+    return Quantity{tables, &texture->patches, {texture->values.data(), texture->values.size()}, "st"};
 }
 
 std::string header(const Quantity& quantity) {
@@ -110,20 +141,17 @@ Result<void> evaluate_rows(const SurfaceRunner& runner, const RunSurface& surfac
 
 Result<void> evaluate(const Options& options, Progress& progress) {
     progress.show("reading " + options.model);
-    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
-    if (!loaded) return loaded.error();
+    const Result<Quantity> quantity =
+        is_baked_file(options.model) ? find_quantity(options, progress) : build_quantity(options, progress);
+    if (!quantity) return quantity.error();
     progress.show("reading " + options.samples);
     const Result<std::vector<SampleRow>> rows = read_samples(options.samples);
     if (!rows) return rows.error();
-    progress.show("building the patch table of " + plural(loaded->mesh.face_count(), "face"));
-    const Result<Quantity> quantity = build_quantity(options, *loaded);
-    if (!quantity)
-        return Error{quantity.error().code, printable(options.model) + ": " + quantity.error().message};
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
     const Result<SurfaceRunner> runner = SurfaceRunner::create(*device);
     if (!runner) return runner.error();
-    const Result<RunSurface> surface = runner->prepare(quantity->table, quantity->control, quantity->width());
+    const Result<RunSurface> surface = runner->prepare(*quantity->table, quantity->control, quantity->width());
     if (!surface) return surface.error();
     Result<TextOutput> output = TextOutput::create(options.output);
     if (!output) return output.error();
@@ -151,7 +179,7 @@ void add_eval(CLI::App& program, int& status) {
     auto options = std::make_shared<Options>();
     CLI::App* command =
         program.add_subcommand("eval", "Evaluate the limit surface and its derivatives at samples");
-    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("MODEL", options->model, "OBJ file, or one of limn bake")->required();
     command
         ->add_option(
             "--at", options->samples,
@@ -172,7 +200,10 @@ void add_eval(CLI::App& program, int& status) {
         "by u and v, and status: valid; hole; out_of_range (no such face, or u and v are not within it). "
         "Values that are not valid are 0. With --texture: face,u,v,s,t,dus,dut,dvs,dvt, and so on.\n"
         "Evaluation is in float, u and v included.");
-    command->callback([options, &status] { status = run(*options); });
+    command->callback([options, command, &status] {
+        check_baked_usage(*command, options->model);
+        status = run(*options);
+    });
 }
 
 }  // namespace limn::cli

@@ -89,6 +89,7 @@ const BakedChannel* texture_of(const BakedMesh& mesh) {
 
 Result<void> limit_rates(const BakedMesh& mesh, RateSettings& settings) {
     const uint32_t most = mesh.trees.max_rate;
+    if (most == 0) return {};
     if (settings.mode == RateMode::uniform && settings.value > static_cast<float>(most))
         return Error{ErrorCode::invalid_argument,
                      "was baked for rates up to " + std::to_string(most) + "; limn bake --max-rate gives more"};

@@ -35,7 +35,8 @@ class ModelTables {
 /// The channel that is written as texture coordinates, or null.
 const BakedChannel* texture_of(const BakedMesh& mesh);
 
-/// Rates as large as tables are made for, at most. Errors: invalid_argument (a uniform rate that is larger).
+/// Rates as large as trees are made for, at most, where there are trees. Errors: invalid_argument (a uniform rate that
+/// is larger).
 Result<void> limit_rates(const BakedMesh& mesh, RateSettings& settings);
 
 /// What a baked file has settled is not for the command line: options about the surface, and `more`. Throws as CLI11

@@ -149,7 +149,7 @@ void add_surface_options(CLI::App& command, SurfaceOptions& options, SchemesTake
 
 Result<LoadedModel> load_model(const std::string& path, const SurfaceOptions& options) {
     if (is_baked_file(path))
-        return Error{ErrorCode::parse_error, printable(path) + ": is a baked file, and this takes an OBJ file"};
+        return Error{ErrorCode::parse_error, printable(path) + ": is a baked file, which does not keep the control mesh that this needs; give the OBJ file"};
     Result<Model> model = read_obj(path);
     if (!model) return model.error();
     override_tag(model->boundary, kBoundaries, options.boundary);

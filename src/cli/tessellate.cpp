@@ -191,7 +191,7 @@ Result<TriangleMesh> make_even_mesh(const Options& options, const SubdivisionSch
 /// By tables with patches, from an OBJ file or a baked one.
 Result<TriangleMesh> make_adaptive_mesh(const Options& options, const RunDevice& device, Progress& progress) {
     BakeOptions bake;
-    bake.max_rate = max_rate_of(options);
+    bake.max_rate = options.device.device == "cpu" ? 0 : max_rate_of(options);  // the host needs no trees
     const Result<ModelTables> model = ModelTables::load(options.model, options.surface, options.uv, bake, progress);
     if (!model) return model.error();
     return make_mesh(options, *model, device, progress);

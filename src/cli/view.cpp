@@ -4,6 +4,7 @@
 #ifdef LIMN_HAVE_WINDOW
 #include <algorithm>
 
+#include "cli/model_tables.h"
 #include "cli/picture_options.h"
 #include "cli/scheme_pictures.h"
 #include "limn/file.h"
@@ -25,6 +26,22 @@ struct Options {
     DeviceOption device;
 };
 
+/// A baked file has one scheme, whichever is asked for.
+Result<viewer::ViewModel> load_view_model(const Options& options, const std::string& scheme) {
+    SurfaceOptions surface = options.surface;
+    surface.scheme = scheme;
+    if (const SubdivisionScheme* even = scheme_without_patches(surface)) {
+        Result<LoadedModel> loaded = load_model(options.model, surface);
+        if (!loaded) return loaded.error();
+        return viewer::ViewModel{nullptr, std::move(loaded->mesh), std::move(loaded->model.positions), even};
+    }
+    Progress progress;
+    Result<ModelTables> loaded = ModelTables::load(options.model, surface, "none", {}, progress);
+    if (!loaded) return loaded.error();
+    const auto tables = std::make_shared<const ModelTables>(std::move(*loaded));
+    return viewer::ViewModel{std::shared_ptr<const BakedMesh>(tables, &tables->mesh())};
+}
+
 int run(const Options& options) {
     if (scheme_without_patches(options.surface) != nullptr)
         if (const std::string wrong = check_even_look(options.look, false); !wrong.empty()) {
@@ -41,21 +58,20 @@ int run(const Options& options) {
     view.settings = settings_of(options.look, view.camera);
     view.rates = rate_settings_of(options.look);
     view.animate = options.animate;
-    view.schemes = all_scheme_names();
     view.colors = color_names();
-    const auto scheme = std::find(view.schemes.begin(), view.schemes.end(), options.surface.scheme);
-    view.scheme = static_cast<int>(scheme - view.schemes.begin());
-    view.load = [&options](const std::string& name) -> Result<viewer::ViewModel> {
-        SurfaceOptions surface = options.surface;
-        surface.scheme = name;
-        Result<LoadedModel> loaded = load_model(options.model, surface);
-        if (!loaded) return loaded.error();
-        return viewer::ViewModel{std::move(loaded->mesh), scheme_without_patches(surface),
-                                 std::move(loaded->model.positions)};
-    };
+    view.load = [&options](const std::string& scheme) { return load_view_model(options, scheme); };
     if (!options.screenshot.empty()) view.frame_count = std::max(options.frames, 1u);
     // A model that cannot be read needs no window to say so.
-    if (const auto readable = view.load(options.surface.scheme); !readable) return fail(readable.error());
+    const auto first = view.load(options.surface.scheme);
+    if (!first) return fail(first.error());
+    if (first->tables != nullptr)
+        if (auto limited = limit_rates(*first->tables, view.rates); !limited)
+            return fail({limited.error().code, printable(options.model) + ": " + limited.error().message});
+    view.schemes = all_scheme_names();
+    if (is_baked_file(options.model))  // which has one
+        view.schemes = {view.schemes[static_cast<size_t>(first->tables->patches.options.scheme)]};
+    const auto scheme = std::find(view.schemes.begin(), view.schemes.end(), options.surface.scheme);
+    view.scheme = scheme == view.schemes.end() ? 0 : static_cast<int>(scheme - view.schemes.begin());
     std::optional<FileWriter> file;
     if (!options.screenshot.empty()) {
         auto created = FileWriter::create(options.screenshot);
@@ -79,7 +95,7 @@ void add_view(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("view", "Show the limit surface in a window");
 #ifdef LIMN_HAVE_WINDOW
     auto options = std::make_shared<Options>();
-    command->add_option("MODEL", options->model, "OBJ file")->required();
+    command->add_option("MODEL", options->model, "OBJ file, or one of limn bake")->required();
     add_size_option(*command, options->size);
     command->add_flag("--animate", options->animate, "Move the control points");
     auto* screenshot = command->add_option("--screenshot", options->screenshot,
@@ -91,7 +107,10 @@ void add_view(CLI::App& program, int& status) {
     add_look_options(*command, options->look);
     add_surface_options(*command, options->surface, SchemesTaken::all);
     add_graphics_device_option(*command, options->device);
-    command->callback([options, &status] { status = run(*options); });
+    command->callback([options, command, &status] {
+        check_baked_usage(*command, options->model);
+        status = run(*options);
+    });
 #else
     command->allow_extras();
     command->callback([&status] {

@@ -318,7 +318,13 @@ Cause check_grid(const GridTable& t, uint64_t rings) {
 
 // Patch trees.
 
+/// Baked without trees.
+bool has_no_trees(const PatchTreeTable& t) {
+    return t.max_rate == 0 && t.tree_count == 0 && t.bytes() == 0 && t.local_points.total_sample_count == 0;
+}
+
 Cause check_trees(const PatchTreeTable& t, uint64_t rings) {
+    if (has_no_trees(t)) return nullptr;
     if (t.max_rate < 2) return "its rate is too small";
     if (const Cause cause = check_grid(t.local_points, rings)) return cause;
     if (t.local_points.rate != 0) return "its local points are a grid";
@@ -462,8 +468,9 @@ Cause check_surface(const BakedMesh& mesh, const PatchTable& patches, const Patc
                     const Array<float>& values, uint32_t width) {
     const TessellationTable& t = mesh.tessellation;
     const auto triangles = [](const SchemeOptions& o) { return o.scheme == Scheme::loop; };  // linear channels are bilinear
-    if (triangles(patches.options) != triangles(t.options) || triangles(trees.options) != triangles(t.options) || trees.surfaces.size() != patches.surfaces.size() ||
-        !has_faces(patches.ptex_surfaces, t) || !has_faces(trees.ptex_surfaces, t))
+    const bool fit = has_no_trees(trees) || (triangles(trees.options) == triangles(t.options) && has_faces(trees.ptex_surfaces, t) &&
+                                             trees.surfaces.size() == patches.surfaces.size());
+    if (!fit || triangles(patches.options) != triangles(t.options) || !has_faces(patches.ptex_surfaces, t))
         return "patch table, trees and tessellation are not of one mesh";
     if (values.size() != uint64_t{width} * patches.control_count) return "there are not as many values as control points";
     return all_finite(values) ? nullptr : "a control point is no number";

@@ -17,6 +17,11 @@ Array<T> to_array(std::span<const T> values) {
     return out;
 }
 
+Result<PatchTreeTable> bake_trees(const PatchTable& patches, const BakeOptions& options) {
+    if (options.max_rate == 0) return PatchTreeTable{};
+    return build_patch_trees(patches, {.max_rate = options.max_rate});
+}
+
 Result<BakedChannel> bake_channel(const ControlMesh& mesh, uint32_t channel, std::span<const float> values,
                                   const BakeOptions& options, const PlanCache& cache) {
     const uint32_t count = mesh.channels[channel].value_count;
@@ -29,7 +34,7 @@ Result<BakedChannel> bake_channel(const ControlMesh& mesh, uint32_t channel, std
                      channel};
     auto patches = build_face_varying_patch_table<float>(mesh, channel, options.patches, &cache);
     if (!patches) return patches.error();
-    auto trees = build_patch_trees(*patches, {.max_rate = options.max_rate});
+    auto trees = bake_trees(*patches, options);
     if (!trees) return trees.error();
     out.values = to_array(values);
     out.patches = std::move(*patches);
@@ -123,7 +128,7 @@ Result<BakedMesh> bake_mesh(const ControlMeshDescription& description, const Bak
     auto patches = build_patch_table<float>(*mesh, options.patches, &cache);
     if (!patches) return patches.error();
     out.patches = std::move(*patches);
-    auto trees = build_patch_trees(out.patches, {.max_rate = options.max_rate});
+    auto trees = bake_trees(out.patches, options);
     if (!trees) return trees.error();
     out.trees = std::move(*trees);
     std::vector<uint32_t> seams;

@@ -27,7 +27,7 @@ struct BakeOptions {
     /// Of vertices, and of channels. Interpolation stays that of vertices, end caps have no trees.
     PatchTableOptions patches;
     bool split_creases = true;  ///< as TessellationTableOptions
-    uint32_t max_rate = 64;     ///< as PatchTreeOptions
+    uint32_t max_rate = 64;     ///< as PatchTreeOptions; 0: no trees, which only devices need
     /// Values of face-varying channels 0, 1, ..: value_count * width floats, width 1 .. 4. Channels of the mesh
     /// without values here are not baked.
     std::vector<std::span<const float>> channel_values;
@@ -57,7 +57,7 @@ struct BakedMesh {
     ContentHash key;  ///< content_hash of what it was made from
     PatchTable patches;
     TessellationTable tessellation;
-    PatchTreeTable trees;
+    PatchTreeTable trees;         ///< empty where BakeOptions::max_rate is 0
     Array<float> positions;       ///< 3 * patches.control_count, or none
     Array<uint32_t> edges;        ///< of the control mesh: pairs of vertices
     uint32_t face_count = 0;      ///< of the control mesh

@@ -1,6 +1,7 @@
 #include "limn/patch_tree.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <map>
 #include <memory>
@@ -18,6 +19,10 @@ namespace {
 
 using Row = std::vector<double>;  ///< over the ring of the surface
 
+Error too_many_weights(uint64_t max_bytes) {
+    return {ErrorCode::too_large, "local points need more than " + std::to_string(max_bytes >> 20) + " MiB of weights"};
+}
+
 /// One plan's tree by itself: nodes, leaves and rows counted from 0.
 struct Tree {
     std::vector<uint32_t> nodes;
@@ -33,6 +38,31 @@ struct Tree {
     }
 };
 
+/// What all trees of a table may take together. Tables of meshes are far from it; one from elsewhere, whose plans refer
+/// to each other as they like, could ask for any amount.
+struct Budget {
+    uint64_t most_work;  ///< multiplications
+    uint64_t most_weights;
+    const BuildPart& part;
+    std::atomic<uint64_t> work = 0, weights = 0;
+
+    Budget(const PatchTable& table, uint64_t max_bytes, const BuildPart& build)
+        : most_weights(max_bytes / sizeof(float)), part(build) {
+        // Trees of meshes take less than each weight of a plan once for each point of the ring.
+        constexpr uint64_t kMargin = 16, kLeast = uint64_t{1} << 28;
+        uint64_t ring = 0;
+        for (const Plan& plan : table.plans) ring = std::max<uint64_t>(ring, plan.ring_size);
+        most_work = kLeast + kMargin * table.plan_weights.size() * ring;
+    }
+    bool is_spent() const { return work > most_work || weights > most_weights || part.is_cancelled(); }
+    Result<void> check(uint64_t max_bytes) const {
+        if (auto ok = part.check(); !ok) return ok;
+        if (weights > most_weights) return too_many_weights(max_bytes);
+        if (is_spent()) return Error{ErrorCode::too_large, "patch trees larger than those of any mesh: plans refer to too many plans"};
+        return {};
+    }
+};
+
 /// A plan on the way down: the rows of its ring, and which of its rows have become local points.
 struct Visit {
     uint32_t plan;
@@ -41,19 +71,25 @@ struct Visit {
 };
 
 struct Grower {
+    static constexpr uint64_t kNodeWork = 64;  ///< what a node takes, in multiplications
     const PatchTable& table;
     double smallest;  ///< cells up to this size have one place, their irregular corner
     bool triangles;
     uint32_t ring_size;
     Tree& tree;
+    Budget& budget;  ///< a tree that it does not suffice for stays unfinished
 
     Row row_of(const Visit& visit, const double* weights) const {
         const uint32_t size = table.plans[visit.plan].ring_size;
         if (visit.ring.empty()) return Row(weights, weights + size);
         Row row(ring_size, 0.0);
-        for (uint32_t j = 0; j < size; ++j)
-            if (weights[j] != 0)
-                for (uint32_t i = 0; i < ring_size; ++i) row[i] += weights[j] * visit.ring[j][i];
+        uint64_t count = 1;
+        for (uint32_t j = 0; j < size; ++j) {
+            if (weights[j] == 0) continue;
+            ++count;
+            for (uint32_t i = 0; i < ring_size; ++i) row[i] += weights[j] * visit.ring[j][i];
+        }
+        budget.work += count * ring_size + size;
         return row;
     }
     Row plan_row(const Visit& visit, uint32_t r) const {
@@ -64,10 +100,15 @@ struct Grower {
     }
     uint32_t local_of(Visit& visit, uint32_t r) {
         uint32_t& local = visit.local[r];
-        if (local == kInvalidIndex) local = tree.add(plan_row(visit, r), false);
+        if (local == kInvalidIndex) local = add_row(plan_row(visit, r), false);
         return local;
     }
+    uint32_t add_row(Row row, bool tangent) {
+        budget.weights += ring_size;
+        return tree.add(std::move(row), tangent);
+    }
     Visit enter(uint32_t plan) const {
+        budget.work += table.plans[plan].row_count;
         return {plan, {}, std::vector<uint32_t>(table.plans[plan].row_count, kInvalidIndex)};
     }
 
@@ -86,11 +127,12 @@ struct Grower {
         scratch.ring.assign(evaluator.width * evaluator.width, 0.0);
         for (size_t j = 0; j < evaluator.width; ++j) scratch.ring[j * evaluator.width + j] = 1;
         evaluator.evaluate(visit.plan, shared::make_location(0, 0), scratch);
+        budget.work += evaluator.width * evaluator.width;
         std::vector<uint32_t> points;
         for (uint32_t k = 0; k < 3; ++k) {
             double* row = scratch.values.data() + k * evaluator.width;
             for (size_t j = 0; k != 0 && j < evaluator.width; ++j) row[j] = scratch.values[j] + row[j] / size;
-            points.push_back(tree.add(row_of(visit, row), k != 0));
+            points.push_back(add_row(row_of(visit, row), k != 0));
         }
         add_leaf(slot, shared::kNodeCorner, rotation, points);
     }
@@ -108,12 +150,14 @@ struct Grower {
 
     /// `node` of the plan visited, whose cell is size_u x size_v of the surface.
     void grow(uint32_t slot, uint32_t rotation, const PlanNode& node, Visit& visit, double size_u, double size_v) {
+        if (budget.is_spent()) return;
         const Plan& plan = table.plans[visit.plan];
         if (node.kind() == PlanNodeKind::plan) {
             Visit next = enter(node.plan());
             const uint32_t* rows = table.plan_points.data() + plan.first_point + node.first;
-            for (uint32_t k = 0; k < table.plans[next.plan].ring_size; ++k)
+            for (uint32_t k = 0; k < table.plans[next.plan].ring_size && !budget.is_spent(); ++k)
                 next.ring.push_back(plan_row(visit, rows[k]));
+            if (budget.is_spent()) return;
             if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next, size_u);
             const PlanNode& root = table.plan_nodes[table.plans[next.plan].first_node];
             return grow(slot, node.rotation(), root, next, size_u, size_v);
@@ -123,6 +167,7 @@ struct Grower {
         const auto first = static_cast<uint32_t>(tree.nodes.size());
         tree.nodes[slot] = shared::pack_tree_node(static_cast<uint32_t>(node.kind()), rotation, first);
         tree.nodes.resize(first + count);
+        budget.work += count * kNodeWork;
         if (node.kind() != PlanNodeKind::split_v) size_u /= 2;
         if (node.kind() != PlanNodeKind::split_u) size_v /= 2;
         // Down the chain of first children lies the plan's own corner, which ends the chain where it is small.
@@ -160,14 +205,14 @@ void sort_rows(Tree& tree) {
     for (uint16_t& point : tree.leaf_points) point = place[point];
 }
 
-Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest, bool relative) {
+Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest, bool relative, Budget& budget) {
     Tree tree;
     tree.nodes.resize(1);
     if (relative) tree.add(Row(table.plans[plan].ring_size, 0.0), false);  // the origin, relative to itself
-    Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree};
+    Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree, budget};
     Visit visit = grower.enter(plan);
     grower.grow(0, 0, table.plan_nodes[table.plans[plan].first_node], visit, 1, 1);
-    if (tree.rows.size() <= 0xffff) sort_rows(tree);
+    if (tree.rows.size() <= 0xffff && !budget.is_spent()) sort_rows(tree);
     return tree;
 }
 
@@ -232,8 +277,7 @@ Result<void> add_classes(const PatchTable& table, const Trees& trees, const std:
         groups += uint64_t{c.group_count} * c.sample_count;
         samples += c.sample_count;
         if (groups * 16 > max_bytes)
-            return Error{ErrorCode::too_large,
-                         "local points need more than " + std::to_string(max_bytes >> 20) + " MiB of weights"};
+            return too_many_weights(max_bytes);
     }
     grid.weights.allocate(groups * 4);
     grid.placement_samples.allocate(samples);
@@ -344,17 +388,18 @@ Result<PatchTreeTable> build(const PatchTable& table, const PatchTreeOptions& op
     Trees trees(plans.size());
     // Rates are measured at quarters of edges, whatever they may be.
     const double smallest = 1.0 / std::bit_ceil(std::max(options.max_rate, 8u));
+    Budget budget(table, options.max_weight_bytes, part);
     const auto key_of = [&](uint32_t t) { return TreeKey{table.plan_identities[plans[t]], smallest, options.relative}; };
     for_each_index(
         static_cast<uint32_t>(plans.size()), part.part(0, 0.4f),
         [&](uint32_t t) {
             if (cache != nullptr) trees[t] = cache->impl().find(key_of(t));
             if (trees[t] != nullptr) return;
-            trees[t] = std::make_shared<const Tree>(grow_tree(table, plans[t], smallest, options.relative));
-            if (cache != nullptr) cache->impl().keep(key_of(t), trees[t]);
+            trees[t] = std::make_shared<const Tree>(grow_tree(table, plans[t], smallest, options.relative, budget));
+            if (cache != nullptr && !budget.is_spent()) cache->impl().keep(key_of(t), trees[t]);
         },
         1);
-    if (auto ok = part.check(); !ok) return ok.error();
+    if (auto ok = budget.check(options.max_weight_bytes); !ok) return ok.error();
     for (const auto& tree : trees)
         if (tree->rows.size() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};

@@ -50,7 +50,8 @@ struct PatchTreeOptions {
 };
 
 /// Errors: invalid_argument (max_rate), unsupported (end caps other than exact; a surface of 2^16 local
-/// points or more), too_large (weights, 2^26 nodes, 2^32 local points), cancelled.
+/// points or more), too_large (weights, 2^26 nodes, 2^32 local points; plans that refer to each other more
+/// than those of meshes do: what a build takes is bounded by the size of the table), cancelled.
 Result<PatchTreeTable> build_patch_trees(const PatchTable& table, const PatchTreeOptions& options);
 
 }  // namespace limn

@@ -60,7 +60,7 @@ class Session {
 
   private:
     Result<void> rebuild();
-    Result<void> rebuild_surface(const ViewModel& model);
+    Result<void> rebuild_surface(const BakedMesh& model);
     Result<void> rebuild_evenly(const ViewModel& model);
     void adopt(const Bounds& bounds);
     RateSettings rates() const;
@@ -90,6 +90,7 @@ class Session {
     vk::TessellationResult triangles_ = {};
     std::optional<RateSettings> tessellated_;  ///< what the triangles there were made for
     Bounds bounds_;                            ///< at rest
+    uint32_t max_rate_ = 0;                    ///< that tables are made for
     Bounds reach_;                             ///< of the surface as it moves
     PanelState state_;
     PanelState built_;  ///< what surface_ was made for
@@ -157,21 +158,23 @@ Result<void> Session::start() {
 Result<void> Session::rebuild() {
     const auto model = options_.load(options_.schemes[static_cast<size_t>(state_.scheme)]);
     if (!model) return model.error();
-    return model->scheme == nullptr ? rebuild_surface(*model) : rebuild_evenly(*model);
+    return model->tables != nullptr ? rebuild_surface(*model->tables) : rebuild_evenly(*model);
 }
 
-Result<void> Session::rebuild_surface(const ViewModel& model) {
-    auto surface = SurfaceMesh::create(device_, *kernels_, model.mesh, model.positions, {});
+Result<void> Session::rebuild_surface(const BakedMesh& model) {
+    auto surface = SurfaceMesh::create(device_, *kernels_, model, {});
     if (!surface) return surface.error();
-    RateSettings few;
-    few.value = 4;
+    const RateSettings few = {.value = std::min(4.0f, static_cast<float>(model.trees.max_rate)),
+                              .max_rate = model.trees.max_rate};
     if (const auto done = surface->tessellate(few); !done) return done.error();
     const auto bounds = surface->measure();
     if (!bounds) return bounds.error();
-    if (auto set = deformer_->set_points(model.positions, surface->control_points()); !set) return set.error();
+    const std::span<const float> points(model.positions.data(), model.positions.size());
+    if (auto set = deformer_->set_points(points, surface->control_points()); !set) return set.error();
     renderer_->set_scene(surface->mesh(), surface->control_lines());
     surface_.emplace(std::move(*surface));
     even_.reset();
+    max_rate_ = few.max_rate;
     adopt(*bounds);
     return {};
 }
@@ -274,7 +277,9 @@ RateSettings Session::rates() const {
     settings.mode = mode_of(state_.rate_choice);
     settings.value = state_.rate_values[static_cast<int>(state_.rate_choice)];
     if (state_.rate_choice == RateChoice::chord_error) settings.value *= bounds_.radius();
-    if (state_.rate_choice == RateChoice::uniform) settings.value = std::round(settings.value);
+    settings.max_rate = std::min(settings.max_rate, max_rate_);
+    if (state_.rate_choice == RateChoice::uniform)
+        settings.value = std::min(std::round(settings.value), static_cast<float>(settings.max_rate));
     settings.camera = rate_camera(camera_, extent().width, extent().height);
     return settings;
 }

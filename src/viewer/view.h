@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "limn/baked_mesh.h"
 #include "limn/control_mesh.h"
 #include "limn/schemes/subdivision_scheme.h"
 #include "viewer/picture.h"
@@ -14,10 +16,12 @@
 
 namespace limn::viewer {
 
+/// A model under a scheme: with tables, or to be refined evenly.
 struct ViewModel {
+    std::shared_ptr<const BakedMesh> tables;  ///< of a scheme with patches; the rest is empty then
     ControlMesh mesh;
-    const SubdivisionScheme* scheme = nullptr;  ///< one without patches, drawn evenly; null: mesh.options.scheme
     std::vector<float> positions;  ///< 3 per vertex
+    const SubdivisionScheme* scheme = nullptr;
 };
 
 struct ViewOptions {
@@ -31,7 +35,7 @@ struct ViewOptions {
     bool animate = false;
     std::vector<std::string> schemes, colors;  ///< to choose among; colours in the order of ColorMode
     int scheme = 0;                            ///< to start with
-    /// The model under a scheme of `schemes`.
+    /// The tables of the model under a scheme of `schemes`, with positions.
     std::function<Result<ViewModel>(const std::string& scheme)> load;
     /// Not 0: show so many frames, a sixtieth of a second apart, then return the last one as the window shows
     /// it.

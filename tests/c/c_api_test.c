@@ -1,8 +1,12 @@
 /* The C interface as C99 sees it: a cube's limit surface on the CPU, and everything that has to be refused. */
+#define _POSIX_C_SOURCE 200809L
+#include <dirent.h>
 #include <limn/c/limn.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "cube.h"
 
@@ -165,9 +169,140 @@ static void test_baked_file(void) {
     remove(path);
 }
 
+/* How many files are in a folder; they go where `clear`. */
+static int count_files(const char* folder, int clear) {
+    DIR* open = opendir(folder);
+    const struct dirent* entry;
+    char path[512];
+    int count = 0;
+    while (open != NULL && (entry = readdir(open)) != NULL) {
+        if (entry->d_name[0] == '.') continue;
+        ++count;
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (clear) remove(path);
+    }
+    if (open != NULL) closedir(open);
+    return count;
+}
+
+/* A folder of files by content: the second time there is nothing to bake. */
+static void test_cache(void) {
+    static const char folder[] = "limn_c_test_cache";
+    limn_control_mesh_description d = describe_cube();
+    limn_bake_options options;
+    limn_baked_file* file[2] = {NULL, NULL};
+    limn_tessellation_table_info topology;
+    limn_error error;
+    int i;
+    mkdir(folder, 0777);
+    count_files(folder, 1);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.flags = LIMN_BAKE_NO_TREES;
+    REFUSED(limn_baked_file_load_or_bake(NULL, &d, NULL, 0, &file[0], &error));
+    REFUSED(limn_baked_file_load_or_bake(folder, NULL, NULL, 0, &file[0], &error));
+    REFUSED(limn_baked_file_load_or_bake(folder, &d, NULL, 4, &file[0], &error));
+    REFUSED(limn_baked_file_load_or_bake(folder, &d, NULL, 0, NULL, &error));
+    CHECK(limn_baked_file_load_or_bake("no such folder", &d, NULL, 0, &file[0], &error) == LIMN_ERROR_CANNOT_OPEN);
+    for (i = 0; i < 2; ++i) {
+        CHECK(limn_baked_file_load_or_bake(folder, &d, &options, 0, &file[i], &error) == LIMN_SUCCESS);
+        topology.struct_size = sizeof topology;
+        CHECK(limn_tessellation_table_get_info(limn_baked_file_get_tessellation(file[i]), &topology, &error) == LIMN_SUCCESS);
+        CHECK(topology.face_count == 6 && count_files(folder, 0) == 1);
+    }
+    options.max_rate = 8; /* which is of no account without trees: the same file */
+    limn_baked_file_destroy(file[1]);
+    CHECK(limn_baked_file_load_or_bake(folder, &d, &options, 0, &file[1], &error) == LIMN_SUCCESS);
+    CHECK(count_files(folder, 0) == 1);
+    for (i = 0; i < 2; ++i) limn_baked_file_destroy(file[i]);
+    count_files(folder, 1);
+    rmdir(folder);
+}
+
+/* What a build reads and makes. */
+typedef struct job {
+    limn_control_mesh* mesh;
+    limn_patch_table* table;
+    limn_result forced; /* in place of building */
+} job;
+
+static limn_result build_table(void* user, limn_build_control* control, limn_error* error) {
+    job* j = user;
+    limn_patch_table_options options;
+    if (j->forced != LIMN_SUCCESS) return j->forced;
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.control = control;
+    return limn_patch_table_create(j->mesh, &options, NULL, &j->table, error);
+}
+
+/* Jobs that wait to be run. */
+typedef struct queue {
+    void (*job)(void* data);
+    void* data;
+} queue;
+static void enqueue(void* user, void (*run)(void* data), void* data) {
+    queue* q = user;
+    q->job = run;
+    q->data = data;
+}
+
+static void test_async_builds(void) {
+    const limn_control_mesh_description d = describe_cube();
+    queue q = {NULL, NULL};
+    limn_job_system jobs = {&q, enqueue};
+    const limn_job_system bad = {&q, NULL};
+    job j = {NULL, NULL, LIMN_SUCCESS};
+    limn_async_build* build;
+    limn_error error;
+    CHECK(limn_control_mesh_create(&d, &j.mesh, &error) == LIMN_SUCCESS);
+    REFUSED(limn_async_build_start(NULL, &j, NULL, &build, &error));
+    REFUSED(limn_async_build_start(build_table, &j, &bad, &build, &error));
+    REFUSED(limn_async_build_start(build_table, &j, NULL, NULL, &error));
+    /* On a thread of its own. */
+    CHECK(limn_async_build_start(build_table, &j, NULL, &build, &error) == LIMN_SUCCESS);
+    CHECK(limn_async_build_wait(build, &error) == LIMN_SUCCESS && limn_async_build_wait(build, &error) == LIMN_SUCCESS);
+    CHECK(limn_async_build_is_ready(build) == 1 && limn_async_build_get_progress(build) == 1 && j.table != NULL);
+    limn_async_build_destroy(build);
+    limn_patch_table_destroy(j.table);
+    /* As a job of the caller's, which has not begun. */
+    j.table = NULL;
+    CHECK(limn_async_build_start(build_table, &j, &jobs, &build, &error) == LIMN_SUCCESS);
+    CHECK(limn_async_build_is_ready(build) == 0 && j.table == NULL);
+    q.job(q.data);
+    CHECK(limn_async_build_is_ready(build) == 1 && j.table != NULL);
+    limn_async_build_destroy(build);
+    limn_patch_table_destroy(j.table);
+    /* Cancelled before it began. */
+    j.table = NULL;
+    CHECK(limn_async_build_start(build_table, &j, &jobs, &build, &error) == LIMN_SUCCESS);
+    limn_async_build_cancel(build);
+    q.job(q.data);
+    CHECK(limn_async_build_wait(build, &error) == LIMN_ERROR_CANCELLED && error.code == LIMN_ERROR_CANCELLED);
+    CHECK(j.table == NULL);
+    limn_async_build_destroy(build);
+    /* Errors are those of the build. */
+    limn_control_mesh_destroy(j.mesh);
+    j.mesh = NULL;
+    CHECK(limn_async_build_start(build_table, &j, NULL, &build, &error) == LIMN_SUCCESS);
+    REFUSED(limn_async_build_wait(build, &error));
+    CHECK(strcmp(error.message, "mesh is null") == 0);
+    limn_async_build_destroy(build);
+    j.forced = 99;
+    CHECK(limn_async_build_start(build_table, &j, NULL, &build, &error) == LIMN_SUCCESS);
+    REFUSED(limn_async_build_wait(build, &error));
+    limn_async_build_destroy(build);
+    REFUSED(limn_async_build_wait(NULL, &error));
+    limn_async_build_cancel(NULL);
+    limn_async_build_destroy(NULL);
+    CHECK(limn_async_build_is_ready(NULL) == 0 && limn_async_build_get_progress(NULL) == 0);
+}
+
 int main(void) {
     test_descriptions();
     test_surface();
     test_baked_file();
+    test_cache();
+    test_async_builds();
     return failures == 0 ? 0 : 1;
 }

@@ -1,162 +1,9 @@
 // The C interface on Vulkan gives the C++ interface's bits, on a borrowed device with the caller's allocator;
 // and it refuses what it has to.
-#include <cstring>
-
-#include "c/c_vulkan_scene.h"
-#include "limn/c/limn_vulkan.h"
+#include "c/c_vulkan_objects.h"
 
 namespace limn::vk::test {
 namespace {
-
-/// The caller's allocator: memory of kernels is not mapped, so that uploads are staged.
-struct CountingAllocator {
-    const Device& device;
-    int live = 0, staged = 0;
-
-    static VkResult allocate(void* user, const VkMemoryRequirements* needs, limn_vk_memory_use use,
-                             limn_vk_memory_block* block) {
-        auto& self = *static_cast<CountingAllocator*>(user);
-        constexpr VkMemoryPropertyFlags kHost =
-            VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-        VkMemoryAllocateInfo info = {};
-        info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-        info.allocationSize = needs->size;
-        const auto fits = [&](uint32_t type) {
-            return (needs->memoryTypeBits >> type & 1) != 0 &&
-                   (self.device.memory_properties.memoryTypes[type].propertyFlags & kHost) == kHost;
-        };
-        while (!fits(info.memoryTypeIndex))
-            if (++info.memoryTypeIndex == self.device.memory_properties.memoryTypeCount)
-                return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-        const Functions& f = self.device.functions;
-        const VkResult result = f.AllocateMemory(self.device.handle, &info, nullptr, &block->memory);
-        if (result != VK_SUCCESS) return result;
-        ++self.live;
-        block->user = &self;
-        if (use == LIMN_VK_MEMORY_DEVICE) return VK_SUCCESS;
-        ++self.staged;
-        return f.MapMemory(self.device.handle, block->memory, 0, VK_WHOLE_SIZE, 0, &block->mapped);
-    }
-    static void release(void* user, const limn_vk_memory_block* block) {
-        auto& self = *static_cast<CountingAllocator*>(user);
-        EXPECT_EQ(block->user, user);
-        --self.live;
-        self.device.functions.FreeMemory(self.device.handle, block->memory, nullptr);
-    }
-};
-
-/// Objects of the C interface, destroyed in reverse.
-struct Objects {
-    std::vector<std::pair<void*, void (*)(void*)>> all;
-
-    template <auto destroy, class Object, class Create, class... Args>
-    Object* add(Create create, Args... args) {
-        Object* object = nullptr;
-        limn_error error = {};
-        EXPECT_EQ(create(args..., &object, &error), LIMN_SUCCESS) << error.message;
-        all.push_back({object, [](void* o) { destroy(static_cast<Object*>(o)); }});
-        return object;
-    }
-    ~Objects() {
-        for (; !all.empty(); all.pop_back()) all.back().second(all.back().first);
-    }
-};
-#define LIMN_NEW(objects, type, create, ...) (objects).add<type##_destroy, type>(create, __VA_ARGS__)
-
-template <class Info>
-Info sized() {
-    Info info = {};
-    info.struct_size = sizeof(info);
-    return info;
-}
-limn_vk_points points_of(const Buffer& buffer, VkDeviceSize offset = 0) {
-    return {buffer.handle, offset, 0, 0, 0};
-}
-
-limn_control_mesh_description describe_in_c(const limn_face_varying_channel& channel) {
-    auto d = sized<limn_control_mesh_description>();
-    d.vertex_count = kVertexCount;
-    d.channel_count = 1;
-    d.channels = &channel;
-    d.face_sizes = kSizes, d.face_count = 3;
-    d.face_vertices = kFaces, d.face_vertex_count = 11;
-    d.crease_vertices = kCrease, d.crease_vertex_count = 2;
-    d.crease_sharpness = kSharpness, d.crease_sharpness_count = 1;
-    return d;
-}
-
-limn_vk_context* borrow_in_c(Objects& objects, const Device& device, CountingAllocator& allocator) {
-    auto handles = sized<limn_vk_borrowed_handles>();
-    handles.queue_family_index = device.queue_family_index;
-    handles.instance = device.instance;
-    handles.physical_device = device.physical_device;
-    handles.device = device.handle;
-    handles.get_instance_proc_addr = device.functions.GetInstanceProcAddr;
-    handles.allocator = {&allocator, CountingAllocator::allocate, CountingAllocator::release};
-    return LIMN_NEW(objects, limn_vk_context, limn_vk_context_borrow, &handles);
-}
-
-/// All that is made once per topology.
-struct CTables {
-    limn_control_mesh* mesh;
-    limn_patch_table *patches, *channel;
-    limn_patch_trees *trees, *channel_trees, *sample_trees;
-    limn_tessellation_table* topology;
-    limn_grid_table* grid;
-    limn_stencil_table* stencils;
-};
-CTables build_in_c(Objects& objects) {
-    CTables t = {};
-    const limn_face_varying_channel channel = {kValues, 11, kValueCount, LIMN_FACE_VARYING_ALL};
-    const limn_control_mesh_description description = describe_in_c(channel);
-    t.mesh = LIMN_NEW(objects, limn_control_mesh, limn_control_mesh_create, &description);
-    auto* one = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create, t.mesh, nullptr, nullptr);
-    auto* one_channel =
-        LIMN_NEW(objects, limn_patch_table, limn_patch_table_create_channel, t.mesh, 0, nullptr, nullptr);
-    const limn_patch_table* const twice[] = {one, one};
-    const limn_patch_table* const channel_twice[] = {one_channel, one_channel};
-    t.patches = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create_merged, twice, 2);
-    t.channel = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create_merged, channel_twice, 2);
-    auto topology = sized<limn_tessellation_table_options>();
-    topology.channels = kChannels, topology.channel_count = 1;
-    const limn_tessellation_table* const one_topology =
-        LIMN_NEW(objects, limn_tessellation_table, limn_tessellation_table_create, t.mesh, &topology);
-    const limn_tessellation_table* const topology_twice[] = {one_topology, one_topology};
-    t.topology =
-        LIMN_NEW(objects, limn_tessellation_table, limn_tessellation_table_create_merged, topology_twice, 2);
-    t.trees = LIMN_NEW(objects, limn_patch_trees, limn_patch_trees_create, t.patches, nullptr);
-    t.channel_trees = LIMN_NEW(objects, limn_patch_trees, limn_patch_trees_create, t.channel, nullptr);
-    auto trees = sized<limn_patch_trees_options>();
-    trees.max_rate = 16;
-    trees.flags = LIMN_PATCH_TREES_RELATIVE;
-    t.sample_trees = LIMN_NEW(objects, limn_patch_trees, limn_patch_trees_create, t.patches, &trees);
-    auto grid = sized<limn_grid_table_options>();
-    grid.rate = kGridRate;
-    t.grid = LIMN_NEW(objects, limn_grid_table, limn_grid_table_create, t.patches, &grid);
-    auto stencils = sized<limn_stencil_table_options>();
-    stencils.level = kLevel;
-    stencils.flags = LIMN_STENCIL_TABLE_LIMIT | LIMN_STENCIL_TABLE_TANGENTS;
-    t.stencils = LIMN_NEW(objects, limn_stencil_table, limn_stencil_table_create, t.mesh, &stencils);
-    return t;
-}
-
-struct CDeviceTables {
-    limn_vk_patch_table *patches, *channel;
-    limn_vk_tessellation_table* topology;
-    limn_vk_patch_trees* sample_trees;
-    limn_vk_grid_table* grid;
-    limn_vk_stencil_table* stencils;
-};
-CDeviceTables upload_in_c(Objects& objects, limn_vk_upload* upload, const CTables& t) {
-    const limn_patch_trees* const channels[] = {t.channel_trees};
-    return {LIMN_NEW(objects, limn_vk_patch_table, limn_vk_patch_table_create, upload, t.patches),
-            LIMN_NEW(objects, limn_vk_patch_table, limn_vk_patch_table_create, upload, t.channel),
-            LIMN_NEW(objects, limn_vk_tessellation_table, limn_vk_tessellation_table_create, upload,
-                     t.topology, t.trees, channels, 1),
-            LIMN_NEW(objects, limn_vk_patch_trees, limn_vk_patch_trees_create, upload, t.sample_trees),
-            LIMN_NEW(objects, limn_vk_grid_table, limn_vk_grid_table_create, upload, t.grid),
-            LIMN_NEW(objects, limn_vk_stencil_table, limn_vk_stencil_table_create, upload, t.stencils)};
-}
 
 limn_vk_tessellation_info describe_tessellation(const CDeviceTables& t,
                                                 const limn_vk_tessellated_channel& channel,
@@ -227,6 +74,20 @@ CEvaluations prepare_in_c(Objects& objects, limn_vk_evaluator* evaluator, const 
     stencils.tangent2 = points_of(in.output, at.tangent2);
     out.all.push_back(
         LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_stencils, evaluator, &stencils));
+    auto locations = sized<limn_vk_locations_info>();
+    locations.patches = t.patches, locations.samples = in.samples.handle, locations.sample_count = kSampleCount;
+    locations.places = points_of(in.output, at.locations);
+    locations.statuses = points_of(in.output, at.location_statuses);
+    out.all.push_back(
+        LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_locations, evaluator, &locations));
+    auto refined = sized<limn_vk_refined_info>();
+    refined.grid = t.refined, refined.source = points_of(in.points), refined.refined = points_of(in.output, at.refined);
+    out.all.push_back(
+        LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_refined, evaluator, &refined));
+    refined.grid = t.refined_channel, refined.width = 2;
+    refined.source = points_of(in.values), refined.refined = points_of(in.output, at.refined_channel);
+    out.all.push_back(
+        LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_refined, evaluator, &refined));
     return out;
 }
 
@@ -286,7 +147,8 @@ TEST_F(CInterfaceOnVulkan, GivesTheBitsOfTheCppInterface) {
     EXPECT_GT(result[2], 20u);  // triangles
     for (const VkDeviceSize output :
          {Layout().normals, Layout().channel, Layout().previous, Layout().tangents, Layout().grid,
-          Layout().samples, Layout().tree_samples, Layout().stencils, Layout().tangent2})
+          Layout().samples, Layout().tree_samples, Layout().stencils, Layout().tangent2, Layout().locations,
+          Layout().refined, Layout().refined_channel})
         EXPECT_TRUE(std::any_of(expected.begin() + static_cast<ptrdiff_t>(output / 4),
                                 expected.begin() + static_cast<ptrdiff_t>(output / 4 + 30),
                                 [](uint32_t w) { return w != 0; }))
@@ -373,6 +235,9 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
     LIMN_SWEEP(limn_tessellation_table_create_merged, 0, limn_tessellation_table, topologies, 1);
     LIMN_SWEEP(limn_grid_table_create, 0b10, limn_grid_table, t.patches, &grid_options);
     LIMN_SWEEP(limn_stencil_table_create, 0, limn_stencil_table, t.mesh, &stencil_options);
+    const auto refined_options = sized<limn_refined_grid_table_options>();
+    LIMN_SWEEP(limn_refined_grid_table_create, 0b10, limn_refined_grid_table, t.mesh, &refined_options);
+    LIMN_SWEEP(limn_refined_grid_table_create_channel, 0b100, limn_refined_grid_table, t.mesh, 0, &refined_options);
     auto topology_info = sized<limn_tessellation_table_info>();
     sweep(limn_tessellation_table_get_info, 0, t.topology, &topology_info, &error);
 
@@ -388,17 +253,30 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
     LIMN_SWEEP(limn_vk_patch_trees_create, 0, limn_vk_patch_trees, upload, t.sample_trees);
     LIMN_SWEEP(limn_vk_grid_table_create, 0, limn_vk_grid_table, upload, t.grid);
     LIMN_SWEEP(limn_vk_stencil_table_create, 0, limn_vk_stencil_table, upload, t.stencils);
+    LIMN_SWEEP(limn_vk_refined_grid_create, 0, limn_vk_refined_grid, upload, t.refined);
     const limn_patch_trees* const channels[] = {t.channel_trees};
     LIMN_SWEEP(limn_vk_tessellation_table_create, 0, limn_vk_tessellation_table, upload, t.topology, t.trees,
                channels, 1);
     LIMN_SWEEP(limn_vk_evaluator_create, 0, limn_vk_evaluator, context);
     LIMN_SWEEP(limn_vk_tessellator_create, 0, limn_vk_tessellator, context);
+    LIMN_SWEEP(limn_vk_hardware_tessellator_create, 0, limn_vk_hardware_tessellator, context,
+               LIMN_VK_TESSELLATION_SHADER_ENABLED);
+    auto* hardware = LIMN_NEW(objects, limn_vk_hardware_tessellator, limn_vk_hardware_tessellator_create, context,
+                              LIMN_VK_TESSELLATION_SHADER_ENABLED);
+    auto stages = sized<limn_vk_hardware_stages>();
+    sweep(limn_vk_hardware_tessellator_get_stages, 0, hardware, LIMN_SCHEME_LOOP, &stages, &error);
+    EXPECT_EQ(limn_vk_hardware_tessellator_get_stages(hardware, 3, &stages, &error), LIMN_ERROR_INVALID_ARGUMENT);
+    limn_vk_device_description device_description;
+    uint32_t device_count = 0;
+    sweep(limn_vk_list_devices, 0, &device_description, 1, &device_count, &error);
 
     const auto points = sized<limn_vk_points_info>();  // whose buffers and tables are null: refused, too
     const auto stencils = sized<limn_vk_stencils_info>();
     const auto grid = sized<limn_vk_grid_info>();
     const auto local = sized<limn_vk_local_points_info>();
     const auto samples = sized<limn_vk_samples_info>();
+    const auto locations = sized<limn_vk_locations_info>();
+    const auto refined = sized<limn_vk_refined_info>();
     const auto empty = sized<limn_vk_tessellation_info>();
     limn_vk_evaluation* evaluation = nullptr;
     limn_vk_tessellation* none = nullptr;
@@ -412,12 +290,18 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
               LIMN_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(limn_vk_evaluator_prepare_samples(evaluator, &samples, &evaluation, &error),
               LIMN_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(limn_vk_evaluator_prepare_locations(evaluator, &locations, &evaluation, &error),
+              LIMN_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(limn_vk_evaluator_prepare_refined(evaluator, &refined, &evaluation, &error),
+              LIMN_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(limn_vk_tessellator_prepare(tessellator, &empty, &none, &error), LIMN_ERROR_INVALID_ARGUMENT);
     LIMN_SWEEP(limn_vk_evaluator_prepare_points, 0, limn_vk_evaluation, evaluator, &points);
     LIMN_SWEEP(limn_vk_evaluator_prepare_stencils, 0, limn_vk_evaluation, evaluator, &stencils);
     LIMN_SWEEP(limn_vk_evaluator_prepare_grid, 0, limn_vk_evaluation, evaluator, &grid);
     LIMN_SWEEP(limn_vk_evaluator_prepare_local_points, 0, limn_vk_evaluation, evaluator, &local);
     LIMN_SWEEP(limn_vk_evaluator_prepare_samples, 0, limn_vk_evaluation, evaluator, &samples);
+    LIMN_SWEEP(limn_vk_evaluator_prepare_locations, 0, limn_vk_evaluation, evaluator, &locations);
+    LIMN_SWEEP(limn_vk_evaluator_prepare_refined, 0, limn_vk_evaluation, evaluator, &refined);
     LIMN_SWEEP(limn_vk_tessellator_prepare, 0, limn_vk_tessellation, tessellator, &empty);
 
     const limn_vk_tessellated_channel channel = {d.channel, 0, 0, points_of(in.values), {}};
@@ -434,6 +318,8 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
                 LIMN_VK_PASS_RATES, &settings, &error);
     EXPECT_EQ(limn_vk_tessellation_record_passes(tessellation, commands, 64, &settings, &error),
               LIMN_ERROR_INVALID_ARGUMENT);
+    LIMN_SWEEP(limn_vk_hardware_tessellator_prepare, 0, limn_vk_hardware_tessellation, hardware, tessellation);
+    limn_vk_hardware_tessellation_record_draw(nullptr, commands, VK_NULL_HANDLE, nullptr);
     limn_vk_evaluation_record(nullptr, commands);
     limn_vk_record_barrier(nullptr, commands, {}, {});
     EXPECT_EQ(limn_vk_patch_trees_get_local_count(nullptr), 0u);

@@ -32,7 +32,8 @@ struct Layout {
                  command = add(5), instance_commands = add(10), result = add(4), grid = add(3 * 1024),
                  grid_normals = add(3 * 1024), samples = add(9 * kSampleCount), statuses = add(kSampleCount),
                  tree_samples = add(9 * kSampleCount), stencils = add(3 * 1024), tangent1 = add(3 * 1024),
-                 tangent2 = add(3 * 1024);
+                 tangent2 = add(3 * 1024), locations = add(5 * kSampleCount),
+                 location_statuses = add(kSampleCount), refined = add(3 * 1024), refined_channel = add(2 * 1024);
 };
 
 /// The caller's: made with the C++ interface for both.
@@ -108,9 +109,15 @@ inline std::vector<uint32_t> run_in_cpp(const Device& device) {
     const DevicePatchTrees sample_trees =
         *upload_patch_trees(device, *build_patch_trees(patches, {.max_rate = 16, .relative = true}));
     const DeviceGridTable grid = *upload_grid_table(device, *build_grid_table(patches, {.rate = kGridRate}));
+    const RefinementOptions level0{.level = 0, .full_last_level = true};
     const DeviceStencilTable stencils = *upload_stencil_table(
-        device, *build_limit_table<float>(*build_refinement(mesh, {.level = 0, .full_last_level = true}),
-                                          kLevel, true));
+        device, *build_limit_table<float>(*build_refinement(mesh, level0), kLevel, true));
+    const DeviceRefinedGrid refined_grid = *upload_refined_grid_table(
+        device, *build_refined_grid_table(*build_refinement(mesh, level0), {.level = kLevel}));
+    const DeviceRefinedGrid refined_channel = *upload_refined_grid_table(
+        device, *build_refined_grid_table(*build_face_varying_refinement(mesh, 0, level0), {.level = kLevel}));
+    EXPECT_LE(refined_grid.point_count(), 1024u);
+    EXPECT_LE(refined_channel.point_count(), 1024u);
     EXPECT_LE(grid.sample_count(), 1024u);
     EXPECT_LE(stencils.row_count, 1024u);
     EXPECT_LE(12 * patches.point_count(), Inputs::kPointBytes);
@@ -184,6 +191,17 @@ inline std::vector<uint32_t> run_in_cpp(const Device& device) {
                                                          .tangent1 = output(at.tangent1),
                                                          .tangent2 = output(at.tangent2),
                                                          .first_row = 3});
+    const SurfaceEvaluation locations = *surfaces.prepare_locations({.patches = &device_patches,
+                                                                     .samples = {in.samples.handle, 0, kSampleCount},
+                                                                     .places = output(at.locations, 5),
+                                                                     .statuses = output(at.location_statuses, 1)});
+    const SurfaceEvaluation refined_points = *surfaces.prepare_refined(
+        {.table = &refined_grid, .source = {.buffer = in.points.handle}, .refined = output(at.refined)});
+    const SurfaceEvaluation refined_values =
+        *surfaces.prepare_refined({.table = &refined_channel,
+                                   .width = 2,
+                                   .source = {.buffer = in.values.handle, .stride = 2},
+                                   .refined = output(at.refined_channel, 2)});
     Commands commands = *Commands::begin(device);
     for (const StencilEvaluation& r : refined) r.record(commands);
     record_barrier(device, commands, kKernelWrites, kKernelReads);
@@ -202,6 +220,9 @@ inline std::vector<uint32_t> run_in_cpp(const Device& device) {
     at_samples.record(commands);
     at_tree_samples.record(commands);
     limits.record(commands);
+    locations.record(commands);
+    refined_points.record(commands);
+    refined_values.record(commands);
     EXPECT_TRUE(commands.submit_and_wait());
     return read_output(device, in);
 }

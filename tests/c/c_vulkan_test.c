@@ -16,9 +16,10 @@
         } \
     } while (0)
 
-enum { RATE = 6, TRIANGLES = 6 * 2 * RATE * RATE, VERTICES = 6 * RATE * RATE + 2, MAX_POINTS = 256 };
+enum { RATE = 6, TRIANGLES = 6 * 2 * RATE * RATE, VERTICES = 6 * RATE * RATE + 2, MAX_POINTS = 256, MAX_EDGES = 32 };
 
 static const float cube[24] = CUBE_POINTS;
+static const float height = 0.25f;
 
 /* All that the device writes and reads here, in one host-visible buffer. */
 typedef struct memory {
@@ -28,6 +29,8 @@ typedef struct memory {
     uint32_t indices[3 * TRIANGLES];
     VkDrawIndexedIndirectCommand command;
     limn_vk_tessellation_result result;
+    float edge_rates[MAX_EDGES];
+    float heights[3 * VERTICES];
 } memory;
 
 typedef struct gpu {
@@ -116,6 +119,7 @@ typedef struct tables {
 static int build_tables(tables* t) {
     limn_error error = {0};
     limn_patch_table_info info;
+    limn_tessellation_table_info edges;
     const limn_control_mesh_description d = describe_cube();
     CHECK(limn_control_mesh_create(&d, &t->mesh, &error) == LIMN_SUCCESS);
     CHECK(limn_patch_table_create(t->mesh, NULL, NULL, &t->patches, &error) == LIMN_SUCCESS);
@@ -123,6 +127,8 @@ static int build_tables(tables* t) {
     CHECK(limn_tessellation_table_create(t->mesh, NULL, &t->topology, &error) == LIMN_SUCCESS);
     info.struct_size = sizeof info;
     CHECK(limn_patch_table_get_info(t->patches, &info, &error) == LIMN_SUCCESS && info.point_count <= MAX_POINTS);
+    edges.struct_size = sizeof edges;
+    CHECK(limn_tessellation_table_get_info(t->topology, &edges, &error) == LIMN_SUCCESS && edges.rate_edge_count <= MAX_EDGES);
     return 0;
 }
 
@@ -139,7 +145,8 @@ static int upload_tables(tables* t, const limn_vk_context* context, gpu* g) {
     return 0;
 }
 
-static limn_vk_tessellation_info describe(const tables* t, const gpu* g) {
+/* `raised`: with a rate for each edge from a buffer, and moved along normals. */
+static limn_vk_tessellation_info describe(const tables* t, const gpu* g, int raised) {
     limn_vk_tessellation_info info;
     memset(&info, 0, sizeof info);
     info.struct_size = sizeof info;
@@ -153,15 +160,20 @@ static limn_vk_tessellation_info describe(const tables* t, const gpu* g) {
     info.indices = words_at(g, offsetof(memory, indices));
     info.command = words_at(g, offsetof(memory, command));
     info.result = words_at(g, offsetof(memory, result));
+    if (raised) {
+        info.mode = LIMN_RATE_PER_EDGE;
+        info.edge_rates = words_at(g, offsetof(memory, edge_rates));
+        info.heights = points_at(g, offsetof(memory, heights));
+    }
     return info;
 }
 
 /* Level-1 points, then the tessellation, with the barriers that the caller owes. */
-static int draw(const tables* t, const limn_vk_context* context, gpu* g) {
+static int draw(const tables* t, const limn_vk_context* context, gpu* g, int raised) {
     const limn_vk_stage_access writes = {LIMN_VK_KERNEL_STAGE, LIMN_VK_KERNEL_WRITES};
     const limn_vk_stage_access reads = {LIMN_VK_KERNEL_STAGE, LIMN_VK_KERNEL_READS};
     const limn_vk_stage_access host = {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
-    const limn_vk_tessellation_info info = describe(t, g);
+    const limn_vk_tessellation_info info = describe(t, g, raised);
     limn_error error = {0};
     limn_vk_evaluator* evaluator;
     limn_vk_evaluation* evaluation;
@@ -185,12 +197,34 @@ static int draw(const tables* t, const limn_vk_context* context, gpu* g) {
     limn_vk_evaluation_record(evaluation, g->commands);
     limn_vk_record_barrier(context, g->commands, writes, reads);
     CHECK(limn_vk_tessellation_record(tessellation, g->commands, &settings, &error) == LIMN_SUCCESS);
+    if (raised)
+        CHECK(limn_vk_tessellation_record_passes(tessellation, g->commands, LIMN_VK_PASS_DISPLACEMENT, NULL, &error) ==
+              LIMN_SUCCESS);
     limn_vk_record_barrier(context, g->commands, writes, host);
     CHECK(submit_and_wait(g));
     limn_vk_tessellation_destroy(tessellation);
     limn_vk_evaluation_destroy(evaluation);
     limn_vk_tessellator_destroy(tessellator);
     limn_vk_evaluator_destroy(evaluator);
+    return 0;
+}
+
+/* Two frames: as it is, and raised by a height that is everywhere the same. */
+static int draw_both(const tables* t, const limn_vk_context* context, gpu* g) {
+    static float positions[3 * VERTICES], normals[3 * VERTICES];
+    static uint32_t indices[3 * TRIANGLES];
+    const limn_error error = {0};
+    int i;
+    if (draw(t, context, g, 0)) return 1;
+    memcpy(positions, g->mapped->positions, sizeof positions);
+    memcpy(normals, g->mapped->normals, sizeof normals);
+    memcpy(indices, g->mapped->indices, sizeof indices);
+    for (i = 0; i < MAX_EDGES; ++i) g->mapped->edge_rates[i] = RATE;
+    for (i = 0; i < 3 * VERTICES; ++i) g->mapped->heights[i] = i % 3 == 0 ? height : 0;
+    if (draw(t, context, g, 1)) return 1;
+    CHECK(memcmp(indices, g->mapped->indices, sizeof indices) == 0);
+    for (i = 0; i < 3 * VERTICES; ++i)
+        CHECK(fabs(g->mapped->positions[i] - (positions[i] + height * normals[i])) < 1e-5);
     return 0;
 }
 
@@ -244,7 +278,7 @@ int main(void) {
     CHECK(limn_vk_context_get_info(context, &g.info, &error) == LIMN_SUCCESS);
     printf("%s\n", g.info.device_name);
     CHECK(create_buffer(&g) && create_commands(&g));
-    if (build_tables(&t) || upload_tables(&t, context, &g) || draw(&t, context, &g) || check_surface(g.mapped)) return 1;
+    if (build_tables(&t) || upload_tables(&t, context, &g) || draw_both(&t, context, &g) || check_surface(g.mapped)) return 1;
     limn_vk_tessellation_table_destroy(t.device_topology);
     limn_vk_patch_table_destroy(t.device_patches);
     limn_tessellation_table_destroy(t.topology);

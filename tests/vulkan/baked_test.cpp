@@ -96,6 +96,15 @@ TEST_F(BakedOnDevice, MappedTablesGiveTheSameBits) {
     EXPECT_GT(compared, 10u);
 }
 
+TEST_F(BakedOnDevice, RefusesToTessellateWithoutTrees) {
+    const auto mesh = bake_mesh(limn::test::make_pyramid(5).description(), {.max_rate = 0});
+    ASSERT_TRUE(mesh);
+    const auto table = upload_tessellation_table(device(), mesh->tessellation, mesh->trees);
+    ASSERT_FALSE(table);
+    EXPECT_EQ(table.error().code, ErrorCode::invalid_argument);
+    EXPECT_NE(table.error().message.find("no patch trees"), std::string::npos);
+}
+
 TEST_F(BakedOnDevice, ComparisonSeesOneWeightAndOnePosition) {
     auto mesh = *limn::test::bake_shape(limn::test::make_pyramid(5), true);
     const Frame before = evaluate(mesh);

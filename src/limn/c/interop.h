@@ -11,7 +11,8 @@
 #include "limn/c/limn.h"
 #include "limn/grid_table.h"
 #include "limn/patch_tree.h"
-#include "limn/tessellation_table.h"
+#include "limn/refined_grid.h"
+#include "limn/tessellate.h"
 
 struct limn_control_mesh {
     limn::ControlMesh value;
@@ -36,6 +37,9 @@ struct limn_grid_table {
 };
 struct limn_stencil_table {
     limn::StencilTable value;
+};
+struct limn_refined_grid_table {
+    limn::RefinedGridTable value;
 };
 
 namespace limn::c {
@@ -130,6 +134,11 @@ Result<void> read_description(const limn_control_mesh_description* given, Contro
                               std::vector<FaceVaryingDescription>& channels);
 /// The defaults where there are none.
 Result<PatchTableOptions> read_patch_table_options(const limn_patch_table_options* given);
+
+inline constexpr RateMode kRateModes[] = {RateMode::uniform,     RateMode::per_edge,    RateMode::screen_length,
+                                          RateMode::pixel_error, RateMode::chord_error, RateMode::distance};
+inline constexpr TessellationSpacing kSpacings[] = {TessellationSpacing::integer, TessellationSpacing::power_of_two,
+                                                    TessellationSpacing::fractional};
 
 inline BuildControl* control_of(limn_build_control* control) {
     return control != nullptr ? &control->value : nullptr;

@@ -150,6 +150,31 @@ void limn_build_control_reset(limn_build_control* control) LIMN_C_NOEXCEPT;
 /// From 0 to 1, which a build that succeeds ends with; 0 of null.
 float limn_build_control_get_progress(const limn_build_control* control) LIMN_C_NOEXCEPT;
 
+/// limn::AsyncBuild: a build that goes on beside its caller. One thread owns it; any may cancel and watch it.
+typedef struct limn_async_build limn_async_build;
+
+/// Builds what it likes with `control` in its options, and returns how that went: what the last function it called did,
+/// say, which has written the error, too.
+typedef limn_result (*limn_build_function)(void* user, limn_build_control* control, limn_error* error);
+
+/// The caller's threads: `submit` gets a job and has job(data) called once, on any thread, now or later.
+typedef struct limn_job_system {
+    void* user;
+    void (*submit)(void* user, void (*job)(void* data), void* data);
+} limn_job_system;
+
+/// `jobs` null: on a thread of its own. What `build` refers to outlives the object. LIMN_ERROR_OUT_OF_MEMORY where the
+/// system has no thread left.
+limn_result limn_async_build_start(limn_build_function build, void* user, const limn_job_system* jobs,
+                                   limn_async_build** started, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_async_build_cancel(limn_async_build* build) LIMN_C_NOEXCEPT;                      ///< null does nothing
+float limn_async_build_get_progress(const limn_async_build* build) LIMN_C_NOEXCEPT;         ///< 0 of null
+uint32_t limn_async_build_is_ready(const limn_async_build* build) LIMN_C_NOEXCEPT;          ///< 0 or 1; 0 of null
+/// Waits where it is not ready, and returns what `build` did: LIMN_ERROR_CANCELLED where it was cancelled before it began.
+limn_result limn_async_build_wait(limn_async_build* build, limn_error* error) LIMN_C_NOEXCEPT;
+/// Cancels, and waits until the build has stopped.
+void limn_async_build_destroy(limn_async_build* build) LIMN_C_NOEXCEPT;
+
 // The limit surface
 
 typedef struct limn_plan_cache limn_plan_cache;
@@ -297,6 +322,7 @@ typedef struct limn_grid_table_options {
     uint32_t rate;              ///< intervals along each side of a ptex face, 1 to 256; 0: 8
     uint32_t samples_per_pass;  ///< 0: 2^22
     uint64_t max_weight_bytes;  ///< 0: 2^28
+    limn_build_control* control;
 } limn_grid_table_options;
 
 /// limn::build_grid_table. `options` may be null.
@@ -319,6 +345,7 @@ typedef struct limn_stencil_table_options {
     uint32_t flags;
     uint32_t level;  ///< of uniform refinement, 0 to 10
     limn_interpolation interpolation;
+    limn_build_control* control;
 } limn_stencil_table_options;
 
 /// Rows over the control points for each vertex of a level: limn::build_stencil_table, build_limit_table.
@@ -326,6 +353,106 @@ limn_result limn_stencil_table_create(const limn_control_mesh* mesh, const limn_
                                       limn_stencil_table** table, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_stencil_table_destroy(limn_stencil_table* table) LIMN_C_NOEXCEPT;
 uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) LIMN_C_NOEXCEPT;  ///< 0 of null
+
+typedef struct limn_refined_grid_table limn_refined_grid_table;
+
+typedef struct limn_refined_grid_table_options {
+    uint32_t struct_size;
+    uint32_t level;  ///< of uniform refinement, 1 to 7; 0: 4
+    limn_interpolation interpolation;
+    uint32_t reserved;          ///< 0
+    uint64_t max_weight_bytes;  ///< 0: 2^28
+    limn_build_control* control;
+} limn_refined_grid_table_options;
+
+/// The points of a level without a row for each: limn::build_refined_grid_table. `options` may be null.
+limn_result limn_refined_grid_table_create(const limn_control_mesh* mesh, const limn_refined_grid_table_options* options,
+                                           limn_refined_grid_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+/// Of one face-varying channel, from the channel's values.
+limn_result limn_refined_grid_table_create_channel(const limn_control_mesh* mesh, uint32_t channel,
+                                                   const limn_refined_grid_table_options* options,
+                                                   limn_refined_grid_table** table, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_refined_grid_table_destroy(limn_refined_grid_table* table) LIMN_C_NOEXCEPT;
+uint32_t limn_refined_grid_table_get_point_count(const limn_refined_grid_table* table) LIMN_C_NOEXCEPT;  ///< 0 of null
+
+// Tessellation on the CPU (limn/tessellate.h)
+
+/// What the value beside it is.
+typedef uint32_t limn_rate_mode;
+enum {
+    LIMN_RATE_UNIFORM = 0,        ///< the rate of all edges
+    LIMN_RATE_PER_EDGE = 1,       ///< not used: the caller gives a rate for each rate edge
+    LIMN_RATE_SCREEN_LENGTH = 2,  ///< how long a segment should be on screen, in pixels
+    LIMN_RATE_PIXEL_ERROR = 3,    ///< by how many pixels a chord may miss the surface
+    LIMN_RATE_CHORD_ERROR = 4,    ///< by what length a chord may miss the surface
+    LIMN_RATE_DISTANCE = 5        ///< the distance (clip w) at which the rate is 1
+};
+
+typedef uint32_t limn_tessellation_spacing;
+enum { LIMN_SPACING_INTEGER = 0, LIMN_SPACING_POWER_OF_TWO = 1, LIMN_SPACING_FRACTIONAL = 2 };
+
+typedef struct limn_tessellation_options {
+    uint32_t struct_size;
+    limn_rate_mode mode;
+    limn_tessellation_spacing spacing;
+    uint32_t max_rate;        ///< 2 to 128; 0: 64
+    const float* edge_rates;  ///< of LIMN_RATE_PER_EDGE: limn_tessellation_table_info::rate_edge_count of them
+    uint64_t edge_rate_count;
+    float value;       ///< 0: 8
+    float scale;       ///< rates are multiplied by it before they are rounded; 0: 1
+    float matrix[16];  ///< column-major, to Vulkan's clip space; of modes that look through a camera
+    float width;       ///< of the viewport, in pixels
+    float height;
+} limn_tessellation_options;
+
+/// Vertices, as places of the surface, and triangles.
+typedef struct limn_tessellation limn_tessellation;
+
+/// Of tables of one mesh. `points`: limn_patch_table_build_points, width 3. `options` may be null.
+limn_result limn_tessellation_create(const limn_patch_table* patches, const limn_tessellation_table* table,
+                                     const double* points, uint64_t point_value_count,
+                                     const limn_tessellation_options* options, limn_tessellation** tessellation,
+                                     limn_error* error) LIMN_C_NOEXCEPT;
+void limn_tessellation_destroy(limn_tessellation* tessellation) LIMN_C_NOEXCEPT;
+
+/// Arrays are the tessellation's own.
+typedef struct limn_tessellation_info {
+    uint32_t struct_size;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t reserved;
+    const limn_patch_sample* places;   ///< of each vertex
+    const uint32_t* position_sources;  ///< of each vertex: whose position it has
+    const uint32_t* indices;           ///< 3 for each triangle
+    const uint32_t* triangle_faces;    ///< the ptex face of each triangle
+} limn_tessellation_info;
+
+/// As limn_patch_table_get_info.
+limn_result limn_tessellation_get_info(const limn_tessellation* tessellation, limn_tessellation_info* info,
+                                       limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_tessellation_evaluation {
+    uint32_t struct_size;
+    uint32_t flags;        ///< 0
+    const double* points;  ///< of limn_tessellation_create, or those of another frame
+    uint64_t point_value_count;
+    double* positions;  ///< 3 for each vertex
+    uint64_t position_value_count;
+    double* normals;  ///< optional: 3 for each vertex, unit vectors
+    uint64_t normal_value_count;
+    /// Optional: 3 for each vertex, the height along the normal and its derivatives by u and v of the ptex face; normals
+    /// are there then.
+    const double* heights;
+    uint64_t height_value_count;
+    double height_step;  ///< limn::displace_tessellation; 0: that of devices for rates up to 64
+} limn_tessellation_evaluation;
+
+limn_result limn_tessellation_evaluate(const limn_tessellation* tessellation, const limn_patch_table* patches,
+                                       const limn_tessellation_evaluation* evaluation, limn_error* error) LIMN_C_NOEXCEPT;
+/// Values of a face-varying channel, width for each vertex. `points`: of the channel's table, as wide.
+limn_result limn_tessellation_evaluate_channel(const limn_tessellation* tessellation, const limn_patch_table* channel,
+                                               const double* points, uint64_t point_value_count, uint32_t width,
+                                               double* values, uint64_t value_count, limn_error* error) LIMN_C_NOEXCEPT;
 
 // Baked files: all of it made ahead of time, mapped and pointed into (limn/baked_file.h).
 
@@ -335,7 +462,10 @@ typedef struct limn_baked_channel {
 } limn_baked_channel;
 
 /// Flags of limn_bake_options.
-enum { LIMN_BAKE_JOIN_CREASES = 1 };  ///< as LIMN_TESSELLATION_TABLE_JOIN_CREASES
+enum {
+    LIMN_BAKE_JOIN_CREASES = 1,  ///< as LIMN_TESSELLATION_TABLE_JOIN_CREASES
+    LIMN_BAKE_NO_TREES = 2       ///< for the CPU alone: devices tessellate by trees
+};
 
 typedef struct limn_bake_options {
     uint32_t struct_size;
@@ -353,7 +483,7 @@ limn_result limn_baked_file_write(const char* path, const limn_control_mesh_desc
 
 typedef struct limn_baked_file limn_baked_file;
 
-/// Flags of limn_baked_file_open.
+/// Flags of limn_baked_file_open and limn_baked_file_load_or_bake.
 enum {
     LIMN_BAKED_FILE_TRUSTED = 1,  ///< not checked: one that was damaged or made to do harm then does
     LIMN_BAKED_FILE_READ = 2      ///< read into memory rather than mapped
@@ -361,6 +491,11 @@ enum {
 
 limn_result limn_baked_file_open(const char* path, uint32_t flags, limn_baked_file** file,
                                  limn_error* error) LIMN_C_NOEXCEPT;
+/// The file of these in a folder of such files, baked and written first where it is not there: limn::load_or_bake.
+/// `options` may be null.
+limn_result limn_baked_file_load_or_bake(const char* folder, const limn_control_mesh_description* description,
+                                         const limn_bake_options* options, uint32_t flags, limn_baked_file** file,
+                                         limn_error* error) LIMN_C_NOEXCEPT;
 void limn_baked_file_destroy(limn_baked_file* file) LIMN_C_NOEXCEPT;
 
 // What a file holds: as long as the file is open, and not to be destroyed. Null of null, and past the last channel.

@@ -40,9 +40,10 @@ Result<BakeOptions> read_bake_options(const limn_bake_options* given) {
     if (!patches) return patches.error();
     out.patches = *patches;
     Reader reader;
-    reader.flags(options->flags, LIMN_BAKE_JOIN_CREASES);
+    reader.flags(options->flags, LIMN_BAKE_JOIN_CREASES | LIMN_BAKE_NO_TREES);
     out.split_creases = (options->flags & LIMN_BAKE_JOIN_CREASES) == 0;
     if (options->max_rate != 0) out.max_rate = options->max_rate;
+    if ((options->flags & LIMN_BAKE_NO_TREES) != 0) out.max_rate = 0;
     for (const limn_baked_channel& channel :
          reader.array(options->channels, options->channel_count, "channels"))
         out.channel_values.push_back(
@@ -51,27 +52,53 @@ Result<BakeOptions> read_bake_options(const limn_bake_options* given) {
     return out;
 }
 
+/// What is baked, and how; arrays are the caller's.
+struct BakeRequest {
+    std::vector<FaceVaryingDescription> channels;
+    ControlMeshDescription description;
+    BakeOptions options;
+};
+Result<void> read_request(const char* path, const limn_control_mesh_description* given, const limn_bake_options* options,
+                          BakeRequest& out) {
+    if (path == nullptr) return bad_argument("path is null");
+    if (auto read = read_description(given, out.description, out.channels); !read) return read;
+    auto bake_options = read_bake_options(options);
+    if (!bake_options) return bake_options.error();
+    out.options = std::move(*bake_options);
+    return {};
+}
+
 Result<void> bake(const char* path, const limn_control_mesh_description* given,
                   const limn_bake_options* options) {
-    if (path == nullptr) return bad_argument("path is null");
-    ControlMeshDescription description;
-    std::vector<FaceVaryingDescription> channels;
-    if (auto read = read_description(given, description, channels); !read) return read;
-    const auto bake_options = read_bake_options(options);
-    if (!bake_options) return bake_options.error();
-    const auto baked = bake_mesh(description, *bake_options);
+    BakeRequest request;
+    if (auto read = read_request(path, given, options, request); !read) return read;
+    const auto baked = bake_mesh(request.description, request.options);
     if (!baked) return baked.error();
     return write_baked_file(path, *baked);
 }
 
-Result<BakedFile> open(const char* path, uint32_t flags) {
+Result<BakedLoadOptions> read_load_options(uint32_t flags) {
     Reader reader;
-    if (path == nullptr) reader.fail("path is null");
     reader.flags(flags, LIMN_BAKED_FILE_TRUSTED | LIMN_BAKED_FILE_READ);
     if (!reader.state) return reader.state.error();
     const bool checked = (flags & LIMN_BAKED_FILE_TRUSTED) == 0;
-    return BakedFile::open(
-        path, {.check_sums = checked, .check_contents = checked, .map = (flags & LIMN_BAKED_FILE_READ) == 0});
+    return BakedLoadOptions{.check_sums = checked, .check_contents = checked, .map = (flags & LIMN_BAKED_FILE_READ) == 0};
+}
+
+Result<BakedFile> open(const char* path, uint32_t flags) {
+    if (path == nullptr) return bad_argument("path is null");
+    const auto load = read_load_options(flags);
+    if (!load) return load.error();
+    return BakedFile::open(path, *load);
+}
+
+Result<BakedFile> load_or_bake(const char* folder, const limn_control_mesh_description* given,
+                               const limn_bake_options* options, uint32_t flags) {
+    const auto load = read_load_options(flags);
+    if (!load) return load.error();
+    BakeRequest request;
+    if (auto read = read_request(folder, given, options, request); !read) return read.error();
+    return limn::load_or_bake(folder, request.description, request.options, *load);
 }
 
 }  // namespace
@@ -88,6 +115,11 @@ limn_result limn_baked_file_write(const char* path, const limn_control_mesh_desc
 limn_result limn_baked_file_open(const char* path, uint32_t flags, limn_baked_file** file,
                                  limn_error* error) noexcept {
     return create(file, error, [&] { return open(path, flags); });
+}
+limn_result limn_baked_file_load_or_bake(const char* folder, const limn_control_mesh_description* description,
+                                         const limn_bake_options* options, uint32_t flags, limn_baked_file** file,
+                                         limn_error* error) noexcept {
+    return create(file, error, [&] { return load_or_bake(folder, description, options, flags); });
 }
 void limn_baked_file_destroy(limn_baked_file* file) noexcept {
     delete file;

@@ -52,6 +52,7 @@ Result<GridTable> create_grid(const limn_patch_table* table, const limn_grid_tab
     reader.flags(options->flags, LIMN_GRID_TABLE_POINTS_ONLY);
     if (!reader.state) return reader.state.error();
     GridOptions out;
+    out.control = control_of(options->control);
     out.derivatives = (options->flags & LIMN_GRID_TABLE_POINTS_ONLY) == 0;
     if (options->rate != 0) out.rate = options->rate;
     if (options->samples_per_pass != 0) out.samples_per_pass = options->samples_per_pass;
@@ -59,8 +60,9 @@ Result<GridTable> create_grid(const limn_patch_table* table, const limn_grid_tab
     return build_grid_table(table->value, out);
 }
 
+constexpr Interpolation kInterpolations[] = {Interpolation::vertex, Interpolation::varying};
+
 Result<StencilTable> create_stencils(const limn_control_mesh* mesh, const limn_stencil_table_options* given) {
-    constexpr Interpolation kInterpolations[] = {Interpolation::vertex, Interpolation::varying};
     const auto options = read_struct(given);
     if (!options) return options.error();
     const bool limit = (options->flags & LIMN_STENCIL_TABLE_LIMIT) != 0;
@@ -75,8 +77,29 @@ Result<StencilTable> create_stencils(const limn_control_mesh* mesh, const limn_s
     if (!reader.state) return reader.state.error();
     const auto base = build_refinement(mesh->value, {.level = 0, .full_last_level = true});
     if (!base) return base.error();
-    if (limit) return build_limit_table<float>(*base, options->level, tangents);
-    return build_stencil_table<float>(*base, options->level, interpolation);
+    const BuildPart control = control_of(options->control);
+    if (limit) return build_limit_table<float>(*base, options->level, tangents, control);
+    return build_stencil_table<float>(*base, options->level, interpolation, control);
+}
+
+/// `refine(mesh, options)` makes the level that the table begins with.
+template <class Refine>
+Result<RefinedGridTable> create_refined_grid(const limn_control_mesh* mesh, const limn_refined_grid_table_options* given,
+                                             const Refine& refine) {
+    const auto options = read_optional(given);
+    if (!options) return options.error();
+    Reader reader;
+    if (mesh == nullptr) reader.fail("mesh is null");
+    if (options->reserved != 0) reader.fail("reserved is not 0");
+    RefinedGridOptions out;
+    out.interpolation = reader.choice(options->interpolation, kInterpolations, "interpolation");
+    if (!reader.state) return reader.state.error();
+    if (options->level != 0) out.level = options->level;
+    if (options->max_weight_bytes != 0) out.max_weight_bytes = options->max_weight_bytes;
+    out.control = control_of(options->control);
+    const auto base = refine(mesh->value, RefinementOptions{.level = 0, .full_last_level = true});
+    if (!base) return base.error();
+    return build_refined_grid_table(*base, out);
 }
 
 /// What objects hold, of an array of them.
@@ -171,4 +194,24 @@ void limn_stencil_table_destroy(limn_stencil_table* table) noexcept {
 }
 uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) noexcept {
     return table != nullptr ? table->value.row_count() : 0;
+}
+
+limn_result limn_refined_grid_table_create(const limn_control_mesh* mesh, const limn_refined_grid_table_options* options,
+                                           limn_refined_grid_table** table, limn_error* error) noexcept {
+    return create(table, error, [&] { return create_refined_grid(mesh, options, limn::build_refinement); });
+}
+limn_result limn_refined_grid_table_create_channel(const limn_control_mesh* mesh, uint32_t channel,
+                                                   const limn_refined_grid_table_options* options,
+                                                   limn_refined_grid_table** table, limn_error* error) noexcept {
+    return create(table, error, [&] {
+        return create_refined_grid(mesh, options, [&](const auto& of, const auto& base) {
+            return limn::build_face_varying_refinement(of, channel, base);
+        });
+    });
+}
+void limn_refined_grid_table_destroy(limn_refined_grid_table* table) noexcept {
+    delete table;
+}
+uint32_t limn_refined_grid_table_get_point_count(const limn_refined_grid_table* table) noexcept {
+    return table != nullptr ? table->value.point_count() : 0;
 }

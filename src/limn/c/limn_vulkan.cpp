@@ -50,7 +50,9 @@ Result<vk::Context> borrow(const limn_vk_borrowed_handles* given, limn_vk_alloca
                             .device = handles->device,
                             .queue_family_index = handles->queue_family_index,
                             .get_instance_proc_addr = handles->get_instance_proc_addr,
-                            .pipeline_cache = handles->pipeline_cache};
+                            .get_device_proc_addr = handles->get_device_proc_addr,
+                            .pipeline_cache = handles->pipeline_cache,
+                            .host_allocator = handles->host_allocator};
     if (kept.allocate != nullptr) out.allocator = {&kept, allocate, release};
     return vk::Context::borrow(out);
 }
@@ -91,6 +93,23 @@ limn_result upload_table(limn_vk_upload* upload, const From* from, Object** tabl
 }  // namespace limn::c
 
 using namespace limn::c;
+
+limn_result limn_vk_list_devices(limn_vk_device_description* devices, uint32_t capacity, uint32_t* count,
+                                 limn_error* error) noexcept {
+    Reader reader;
+    const auto room = reader.array(devices, capacity, "devices");
+    if (count == nullptr) reader.fail("count is null");
+    if (!reader.state) return report(reader.state.error(), error);
+    const auto list = limn::vk::list_devices();
+    if (!list) return report(list.error(), error);
+    for (size_t i = 0; i < std::min(room.size(), list->size()); ++i) {
+        const limn::vk::DeviceInfo& info = (*list)[i];
+        room[i] = {{}, info.type, info.api_version, info.driver_version, info.usable ? 1u : 0u};
+        info.name.copy(room[i].name, sizeof(room[i].name) - 1);
+    }
+    *count = static_cast<uint32_t>(list->size());
+    return LIMN_SUCCESS;
+}
 
 limn_result limn_vk_context_borrow(const limn_vk_borrowed_handles* handles, limn_vk_context** context,
                                    limn_error* error) noexcept {
@@ -203,4 +222,12 @@ limn_result limn_vk_stencil_table_create(limn_vk_upload* upload, const limn_sten
 }
 void limn_vk_stencil_table_destroy(limn_vk_stencil_table* table) noexcept {
     delete table;
+}
+
+limn_result limn_vk_refined_grid_create(limn_vk_upload* upload, const limn_refined_grid_table* from,
+                                        limn_vk_refined_grid** grid, limn_error* error) noexcept {
+    return upload_table(upload, from, grid, error, limn::vk::record_refined_grid_upload);
+}
+void limn_vk_refined_grid_destroy(limn_vk_refined_grid* grid) noexcept {
+    delete grid;
 }

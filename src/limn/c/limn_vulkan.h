@@ -50,10 +50,25 @@ typedef struct limn_vk_borrowed_handles {
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
     VkPipelineCache pipeline_cache;  ///< optional, as the rest
     limn_vk_allocator allocator;     ///< without its functions every buffer has memory of its own
+    PFN_vkGetDeviceProcAddr get_device_proc_addr;  ///< null: what the instance gives
+    const VkAllocationCallbacks* host_allocator;   ///< of every Vulkan object; outlives the context
 } limn_vk_borrowed_handles;
 
 limn_result limn_vk_context_borrow(const limn_vk_borrowed_handles* handles, limn_vk_context** context,
                                    limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_vk_device_description {
+    char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
+    VkPhysicalDeviceType type;
+    uint32_t api_version;
+    uint32_t driver_version;
+    uint32_t usable;  ///< 0 or 1: Vulkan 1.2 and a compute queue
+} limn_vk_device_description;
+
+/// Writes the first `capacity` devices, as `limn devices` counts them, and to `count` how many there are. LIMN_ERROR_NO_DEVICE
+/// where there is none, nor a Vulkan loader.
+limn_result limn_vk_list_devices(limn_vk_device_description* devices, uint32_t capacity, uint32_t* count,
+                                 limn_error* error) LIMN_C_NOEXCEPT;
 
 typedef uint32_t limn_vk_device_choice;
 enum {
@@ -130,6 +145,7 @@ typedef struct limn_vk_patch_trees limn_vk_patch_trees;
 typedef struct limn_vk_tessellation_table limn_vk_tessellation_table;
 typedef struct limn_vk_grid_table limn_vk_grid_table;
 typedef struct limn_vk_stencil_table limn_vk_stencil_table;
+typedef struct limn_vk_refined_grid limn_vk_refined_grid;
 
 limn_result limn_vk_patch_table_create(limn_vk_upload* upload, const limn_patch_table* from, limn_vk_patch_table** table,
                                        limn_error* error) LIMN_C_NOEXCEPT;
@@ -155,6 +171,10 @@ void limn_vk_grid_table_destroy(limn_vk_grid_table* table) LIMN_C_NOEXCEPT;
 limn_result limn_vk_stencil_table_create(limn_vk_upload* upload, const limn_stencil_table* from,
                                          limn_vk_stencil_table** table, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_vk_stencil_table_destroy(limn_vk_stencil_table* table) LIMN_C_NOEXCEPT;
+
+limn_result limn_vk_refined_grid_create(limn_vk_upload* upload, const limn_refined_grid_table* from,
+                                        limn_vk_refined_grid** grid, limn_error* error) LIMN_C_NOEXCEPT;
+void limn_vk_refined_grid_destroy(limn_vk_refined_grid* grid) LIMN_C_NOEXCEPT;
 
 // Evaluations
 
@@ -252,6 +272,30 @@ typedef struct limn_vk_samples_info {
 limn_result limn_vk_evaluator_prepare_samples(const limn_vk_evaluator* evaluator, const limn_vk_samples_info* info,
                                               limn_vk_evaluation** evaluation, limn_error* error) LIMN_C_NOEXCEPT;
 
+/// Where samples are: limn::vk::LocationInfo.
+typedef struct limn_vk_locations_info {
+    uint32_t struct_size;
+    uint32_t sample_count;
+    const limn_vk_patch_table* patches;
+    VkBuffer samples;  ///< as limn_vk_samples_info
+    VkDeviceSize samples_offset_bytes;
+    limn_vk_points places;    ///< 5 words for each sample: surface, plan, node, u and v (floats)
+    limn_vk_points statuses;  ///< as limn_vk_samples_info
+} limn_vk_locations_info;
+limn_result limn_vk_evaluator_prepare_locations(const limn_vk_evaluator* evaluator, const limn_vk_locations_info* info,
+                                                limn_vk_evaluation** evaluation, limn_error* error) LIMN_C_NOEXCEPT;
+
+/// limn::vk::RefinedGridInfo.
+typedef struct limn_vk_refined_info {
+    uint32_t struct_size;
+    uint32_t width;  ///< 1 to 4; 0: 3
+    const limn_vk_refined_grid* grid;
+    limn_vk_points source;   ///< control points; LIMN_VK_SOURCE_USAGE
+    limn_vk_points refined;  ///< limn_refined_grid_table_get_point_count points
+} limn_vk_refined_info;
+limn_result limn_vk_evaluator_prepare_refined(const limn_vk_evaluator* evaluator, const limn_vk_refined_info* info,
+                                              limn_vk_evaluation** evaluation, limn_error* error) LIMN_C_NOEXCEPT;
+
 // Tessellation
 
 /// Pipelines that make triangles.
@@ -259,20 +303,6 @@ typedef struct limn_vk_tessellator limn_vk_tessellator;
 limn_result limn_vk_tessellator_create(const limn_vk_context* context, limn_vk_tessellator** tessellator,
                                        limn_error* error) LIMN_C_NOEXCEPT;
 void limn_vk_tessellator_destroy(limn_vk_tessellator* tessellator) LIMN_C_NOEXCEPT;
-
-/// What limn_vk_rate_settings::value is.
-typedef uint32_t limn_rate_mode;
-enum {
-    LIMN_RATE_UNIFORM = 0,        ///< the rate of all edges
-    LIMN_RATE_PER_EDGE = 1,       ///< not used: a buffer has a rate for each edge
-    LIMN_RATE_SCREEN_LENGTH = 2,  ///< how long a segment should be on screen, in pixels
-    LIMN_RATE_PIXEL_ERROR = 3,    ///< by how many pixels a chord may miss the surface
-    LIMN_RATE_CHORD_ERROR = 4,    ///< by what length a chord may miss the surface
-    LIMN_RATE_DISTANCE = 5        ///< the distance (clip w) at which the rate is 1
-};
-
-typedef uint32_t limn_tessellation_spacing;
-enum { LIMN_SPACING_INTEGER = 0, LIMN_SPACING_POWER_OF_TWO = 1, LIMN_SPACING_FRACTIONAL = 2 };
 
 /// Flags of limn_vk_instance.
 enum {
@@ -400,7 +430,8 @@ enum {
     LIMN_VK_PASS_DISPLACEMENT = 32  ///< heights are visible to kernel reads by then, positions no longer in use
 };
 
-/// A frame, all of it. Before: points visible to kernel reads, earlier uses of outputs done. Owed after: a barrier from
+/// A frame, all of it; displacement only where there is a height texture: heights of the caller's are written behind it, and
+/// then follows LIMN_VK_PASS_DISPLACEMENT. Before: points visible to kernel reads, earlier uses of outputs done. Owed after: a barrier from
 /// kernel writes to what reads them, LIMN_VK_DRAW_STAGES for drawing. After an error the commands recorded draw nothing.
 limn_result limn_vk_tessellation_record(const limn_vk_tessellation* tessellation, VkCommandBuffer commands,
                                         const limn_vk_rate_settings* settings, limn_error* error) LIMN_C_NOEXCEPT;
@@ -408,6 +439,57 @@ limn_result limn_vk_tessellation_record(const limn_vk_tessellation* tessellation
 limn_result limn_vk_tessellation_record_passes(const limn_vk_tessellation* tessellation, VkCommandBuffer commands,
                                                uint32_t passes, const limn_vk_rate_settings* settings,
                                                limn_error* error) LIMN_C_NOEXCEPT;
+
+// Hardware tessellation: stages for the caller's pipeline that draw at the rates of a limn_vk_tessellation
+// (limn/vulkan/hardware_tessellation.h says what else goes into the pipeline, and what the fragment stage gets).
+
+/// A frame: LIMN_VK_PASS_POINTS | LIMN_VK_PASS_RATES, a barrier from kernel writes to these, the draw.
+#define LIMN_VK_HARDWARE_STAGES \
+    (VK_PIPELINE_STAGE_TESSELLATION_CONTROL_SHADER_BIT | VK_PIPELINE_STAGE_TESSELLATION_EVALUATION_SHADER_BIT)
+#define LIMN_VK_HARDWARE_READS VK_ACCESS_SHADER_READ_BIT
+
+/// Flags of limn_vk_hardware_tessellator_create.
+enum { LIMN_VK_TESSELLATION_SHADER_ENABLED = 1 };  ///< the caller has enabled the feature; without it is unsupported
+
+typedef struct limn_vk_hardware_tessellator limn_vk_hardware_tessellator;
+limn_result limn_vk_hardware_tessellator_create(const limn_vk_context* context, uint32_t flags,
+                                                limn_vk_hardware_tessellator** tessellator,
+                                                limn_error* error) LIMN_C_NOEXCEPT;
+void limn_vk_hardware_tessellator_destroy(limn_vk_hardware_tessellator* tessellator) LIMN_C_NOEXCEPT;
+
+/// SPIR-V; entry point "main".
+typedef struct limn_vk_stage_code {
+    const uint32_t* words;
+    uint64_t word_count;
+} limn_vk_stage_code;
+
+/// Of the caller's pipeline and its layout. All of it is the tessellator's own.
+typedef struct limn_vk_hardware_stages {
+    uint32_t struct_size;
+    uint32_t reserved;
+    VkDescriptorSetLayout set_layout;  ///< descriptor set 0
+    VkPushConstantRange push_constants;
+    uint32_t reserved2;
+    limn_vk_stage_code vertex;
+    limn_vk_stage_code control;
+    limn_vk_stage_code evaluation;
+} limn_vk_hardware_stages;
+
+/// Loop has stages of its own. Fills as much of `stages` as its struct_size says.
+limn_result limn_vk_hardware_tessellator_get_stages(const limn_vk_hardware_tessellator* tessellator, limn_scheme scheme,
+                                                    limn_vk_hardware_stages* stages, limn_error* error) LIMN_C_NOEXCEPT;
+
+typedef struct limn_vk_hardware_tessellation limn_vk_hardware_tessellation;
+/// `tessellation` may have no outputs but its rates.
+limn_result limn_vk_hardware_tessellator_prepare(const limn_vk_hardware_tessellator* tessellator,
+                                                 const limn_vk_tessellation* tessellation,
+                                                 limn_vk_hardware_tessellation** prepared,
+                                                 limn_error* error) LIMN_C_NOEXCEPT;
+void limn_vk_hardware_tessellation_destroy(limn_vk_hardware_tessellation* prepared) LIMN_C_NOEXCEPT;
+/// Within a render pass, the caller's pipeline bound. `clip_from_points`: 16 floats, column-major. Does nothing where one of
+/// them is null.
+void limn_vk_hardware_tessellation_record_draw(const limn_vk_hardware_tessellation* prepared, VkCommandBuffer commands,
+                                               VkPipelineLayout layout, const float* clip_from_points) LIMN_C_NOEXCEPT;
 
 #ifdef __cplusplus
 }

@@ -27,7 +27,10 @@ limn_result prepare(const limn_vk_evaluator* evaluator, const Info* given, limn_
         const auto info = read_struct(given);
         if (!info) return info.error();
         Reader reader;
-        auto made = make(*info, info->width != 0 ? info->width : 3, reader);
+        uint32_t width = 3;
+        if constexpr (requires { info->width; })
+            if (info->width != 0) width = info->width;
+        auto made = make(*info, width, reader);
         if (!reader.state) return reader.state.error();
         if (!made) return made.error();
         return decltype(limn_vk_evaluation::value)(std::move(*made));
@@ -128,5 +131,26 @@ limn_result limn_vk_evaluator_prepare_samples(const limn_vk_evaluator* evaluator
              .statuses = read_points(reader, i.statuses, 1),
              .trees = value_of(i.trees),
              .local_points = i.local_points});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_locations(const limn_vk_evaluator* evaluator,
+                                                const limn_vk_locations_info* info,
+                                                limn_vk_evaluation** evaluation, limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t, Reader& reader) {
+        return evaluator->surfaces.prepare_locations({.patches = value_of(i.patches),
+                                                      .samples = {i.samples, i.samples_offset_bytes, i.sample_count},
+                                                      .places = read_points(reader, i.places, 5),
+                                                      .statuses = read_points(reader, i.statuses, 1)});
+    });
+}
+
+limn_result limn_vk_evaluator_prepare_refined(const limn_vk_evaluator* evaluator, const limn_vk_refined_info* info,
+                                              limn_vk_evaluation** evaluation, limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        return evaluator->surfaces.prepare_refined({.table = value_of(i.grid),
+                                                    .width = width,
+                                                    .source = read_points(reader, i.source, width),
+                                                    .refined = read_points(reader, i.refined, width)});
     });
 }

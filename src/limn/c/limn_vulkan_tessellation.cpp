@@ -5,12 +5,6 @@ struct limn_vk_tessellator {
     limn::vk::Tessellator value;
     const limn::vk::Device& device;
 };
-struct limn_vk_tessellation {
-    limn::vk::Tessellation value;
-    limn::RateMode mode;
-    limn::TessellationSpacing spacing;
-    const limn::vk::Device& device;
-};
 
 namespace limn::c {
 namespace {
@@ -28,10 +22,6 @@ static_assert(LIMN_TESSELLATION_COMPLETE == shared::kTessComplete &&
               LIMN_TESSELLATION_NOT_FINITE == shared::kTessNotFinite &&
               LIMN_TESSELLATION_BAD_SETTINGS == shared::kTessBadSettings);
 
-constexpr RateMode kModes[] = {RateMode::uniform,     RateMode::per_edge,    RateMode::screen_length,
-                               RateMode::pixel_error, RateMode::chord_error, RateMode::distance};
-constexpr TessellationSpacing kSpacings[] = {TessellationSpacing::integer, TessellationSpacing::power_of_two,
-                                             TessellationSpacing::fractional};
 constexpr uint32_t kAllFlags = 2 * LIMN_VK_TESSELLATION_FIRST_INSTANCE_0 - 1;
 constexpr vk::StageAccess kKernels = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                                       VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
@@ -68,7 +58,7 @@ vk::TessellationInfo read_info(Reader& reader, const limn_vk_tessellation_info& 
     out.patches = value_of(i.patches);
     out.table = value_of(i.table);
     out.points = read_points(reader, i.points, 3);
-    out.mode = reader.choice(i.mode, kModes, "rate mode");
+    out.mode = reader.choice(i.mode, kRateModes, "rate mode");
     out.spacing = reader.choice(i.spacing, kSpacings, "spacing");
     out.cull_outside = has(LIMN_VK_TESSELLATION_CULL_OUTSIDE);
     out.cull_backfaces = has(LIMN_VK_TESSELLATION_CULL_BACKFACES);

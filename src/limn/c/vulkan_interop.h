@@ -35,6 +35,15 @@ struct limn_vk_grid_table {
 struct limn_vk_stencil_table {
     limn::vk::DeviceStencilTable value;
 };
+struct limn_vk_refined_grid {
+    limn::vk::DeviceRefinedGrid value;
+};
+struct limn_vk_tessellation {
+    limn::vk::Tessellation value;
+    limn::RateMode mode;
+    limn::TessellationSpacing spacing;
+    const limn::vk::Device& device;
+};
 struct limn_vk_evaluation {
     std::variant<limn::vk::StencilEvaluation, limn::vk::SurfaceEvaluation> value;
 };

@@ -63,6 +63,12 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
                                                                  const TessellationTable& table,
                                                                  const PatchTreeTable& vertices,
                                                                  std::span<const PatchTreeTable* const> channels) {
+    for (size_t i = 0; i < 1 + channels.size(); ++i) {
+        const PatchTreeTable& trees = i == 0 ? vertices : *channels[i - 1];
+        if (trees.max_rate == 0) return Error{ErrorCode::invalid_argument, "there are no patch trees: the mesh was baked without"};
+        if (trees.ptex_surfaces.size() != table.face_count)
+            return Error{ErrorCode::invalid_argument, "patch trees are of another mesh than the tessellation table"};
+    }
     TessellationTableUpload upload;
     DeviceTessellationTable& out = upload.table;
     out.scheme = table.options.scheme;
@@ -82,9 +88,6 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
         out.channels.push_back(std::move(*channel_trees));
         out.max_rate = std::min(out.max_rate, channel->max_rate);
     }
-    for (size_t i = 0; i < 1 + channels.size(); ++i)
-        if ((i == 0 ? vertices : *channels[i - 1]).ptex_surfaces.size() != table.face_count)
-            return Error{ErrorCode::invalid_argument, "patch trees are of another mesh than the tessellation table"};
     out.instance_count = table.instance_count();
     MadeWords made;
     const auto sections = sections_of(table, vertices, channels, out, made);

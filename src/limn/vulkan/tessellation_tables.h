@@ -40,7 +40,7 @@ struct TessellationTableUpload {
 };
 
 /// Patch trees of vertices and of face-varying channels; all of one control mesh. As the other tables' uploads.
-/// Errors: and invalid_argument where tables are not of the same mesh.
+/// Errors: and invalid_argument where tables are not of the same mesh, or trees were not made (max_rate 0).
 Result<TessellationTableUpload> record_tessellation_table_upload(
     const Device& device, VkCommandBuffer command_buffer, const TessellationTable& table,
     const PatchTreeTable& vertices, std::span<const PatchTreeTable* const> channels = {});

@@ -1,0 +1,20 @@
+# Compiles and runs one source with what pkg-config says of an installed package, and nothing else:
+# cmake -Dpackage=limn -Dprefix=PREFIX -Dcompiler=g++ -Dflags=-std=c++20 -Dsource=FILE -Doutput=PROGRAM -P pkg_config.cmake
+file(GLOB_RECURSE files ${prefix}/*.pc)
+list(TRANSFORM files REPLACE "/[^/]*$" "")
+list(REMOVE_DUPLICATES files)
+list(JOIN files ":" folders)
+set(ENV{PKG_CONFIG_PATH} ${folders})
+execute_process(COMMAND ${pkg_config} --cflags --libs ${package}
+    OUTPUT_VARIABLE options OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+message(STATUS "${package}: ${options}")
+string(FIND "${options}" "${prefix}" at)
+if(at EQUAL -1)
+    message(FATAL_ERROR "${package} is not the one that was just installed")
+endif()
+separate_arguments(options UNIX_COMMAND "${options}")
+separate_arguments(flags UNIX_COMMAND "${flags}")
+get_filename_component(folder ${output} DIRECTORY)
+file(MAKE_DIRECTORY ${folder})
+execute_process(COMMAND ${compiler} ${flags} ${source} -o ${output} ${options} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${output} WORKING_DIRECTORY ${folder} COMMAND_ERROR_IS_FATAL ANY)
