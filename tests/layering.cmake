@@ -9,7 +9,7 @@ function(read_includes file included)
     set(${included} ${lines} PARENT_SCOPE)
 endfunction()
 
-file(GLOB sources src/limn/*.h src/limn/*.cpp src/limn/c/* src/limn/vulkan/*.h src/limn/vulkan/*.cpp src/limn/osd/*.h
+file(GLOB sources src/limn/*.h src/limn/*.cpp src/limn/schemes/* src/limn/c/* src/limn/vulkan/*.h src/limn/vulkan/*.cpp src/limn/osd/*.h
      src/limn/osd/*.cpp kernels/limn/shared/*)
 foreach(source IN LISTS sources)
     file(RELATIVE_PATH source ${CMAKE_CURRENT_SOURCE_DIR} ${source})

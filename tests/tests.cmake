@@ -17,6 +17,9 @@ set(test_files
     tests/refinement_test.cpp
     tests/stencil_table_test.cpp
     tests/patch_table_test.cpp
+    tests/schemes/curve_test.cpp
+    tests/schemes/b_spline_test.cpp
+    tests/schemes/spline_mesh_test.cpp
     tests/batch_test.cpp
     tests/batch_list_test.cpp
     tests/skinning_test.cpp
@@ -35,6 +38,7 @@ set(vulkan_test_files
     tests/vulkan/frames_test.cpp
     tests/vulkan/layout_test.cpp
     tests/vulkan/stencil_eval_test.cpp
+    tests/vulkan/curve_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
     tests/vulkan/surface_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp
