@@ -20,6 +20,8 @@ set(test_files
     tests/schemes/curve_test.cpp
     tests/schemes/b_spline_test.cpp
     tests/schemes/spline_mesh_test.cpp
+    tests/schemes/stam.cpp
+    tests/schemes/exact_evaluation_test.cpp
     tests/batch_test.cpp
     tests/batch_list_test.cpp
     tests/skinning_test.cpp
@@ -105,7 +107,11 @@ if(LIMN_BUILD_FUZZERS)
     endforeach()
 endif()
 
+find_package(Eigen3 REQUIRED NO_MODULE)
 limn_add_test(limn_test cpu ${test_files})
+target_link_libraries(limn_test PRIVATE Eigen3::Eigen)
+target_compile_definitions(limn_test PRIVATE
+    LIMN_EXACT_EVALUATION="${CMAKE_CURRENT_SOURCE_DIR}/tests/schemes/exact_evaluation.txt")
 
 enable_language(C)
 function(limn_add_c_test target label)
