@@ -17,6 +17,7 @@ set(test_files
     tests/refinement_test.cpp
     tests/stencil_table_test.cpp
     tests/patch_table_test.cpp
+    tests/curvature_test.cpp
     tests/schemes/curve_test.cpp
     tests/schemes/b_spline_test.cpp
     tests/schemes/spline_mesh_test.cpp
@@ -43,6 +44,7 @@ set(vulkan_test_files
     tests/vulkan/curve_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
     tests/vulkan/surface_eval_test.cpp
+    tests/vulkan/curvature_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp
     tests/vulkan/device_tessellation.cpp
     tests/vulkan/tessellation_parity.cpp

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "limn/schemes/curve.h"
+#include "schemes/rational_sphere.h"
 #include "shapes/random_mesh.h"
 #include "shapes/shapes.h"
 
@@ -162,22 +162,6 @@ TEST(SplineMesh, closed_surfaces_are_closed_meshes) {
     ASSERT_TRUE(mesh);
     EXPECT_TRUE(mesh->u_closed);
     EXPECT_LE(conversion_error(clamped), 1e-10);
-}
-
-/// A sphere of radius 1: half a circle turned around, both rational and quadratic.
-BSplineSurface make_sphere() {
-    const double h = std::sqrt(0.5);
-    const double circle[9][3] = {{1, 0, 1},   {1, 1, h},  {0, 1, 1},  {-1, 1, h}, {-1, 0, 1},
-                                 {-1, -1, h}, {0, -1, 1}, {1, -1, h}, {1, 0, 1}};
-    const double half[5][3] = {{0, -1, 1}, {1, -1, h}, {1, 0, 1}, {1, 1, h}, {0, 1, 1}};
-    BSplineSurface s{{2, {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}}, {2, {0, 0, 0, 1, 1, 2, 2, 2}}, 4, {}};
-    for (const auto& [radius, z, w] : half)
-        for (const auto& [x, y, weight] : circle) {
-            const double product = w * weight;
-            for (const double value : {radius * x * product, radius * y * product, z * product, product})
-                s.points.push_back(value);
-        }
-    return s;
 }
 
 TEST(SplineMesh, rational_spheres_are_exact) {
