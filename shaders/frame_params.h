@@ -23,6 +23,8 @@ const uint kColorCurvature = 3;
 const uint kColorRate = 4;
 const uint kColorNormals = 5;
 const uint kColorSides = 6;
+const uint kColorGaussian = 7;
+const uint kColorPrincipal = 8;
 
 // FrameParams::options.y
 const uint kFlagWireframe = 1;

@@ -33,22 +33,31 @@ uint leaf_word() {
 #endif
 layout(location = 0) out vec4 color;
 
-// The mean curvature, from how position and normal change from pixel to pixel: half the trace of the shape
-// operator, times the size of the surface.
-float mean_curvature(vec3 n) {
+// Mean and Gaussian curvature, from how position and normal change from pixel to pixel: half the trace and the
+// determinant of the shape operator, for a surface of size 1.
+vec2 curvatures(vec3 n) {
     const vec3 px = dFdx(position), py = dFdy(position), nx = dFdx(n), ny = dFdy(n);
     const float ee = dot(px, px), ff = dot(px, py), gg = dot(py, py);
     const float e = dot(px, nx), f = 0.5 * (dot(px, ny) + dot(py, nx)), g = dot(py, ny);
     const float area = ee * gg - ff * ff;
-    return area > 0.0 ? 0.5 * (e * gg - 2.0 * f * ff + g * ee) / area * frame.sphere.w : 0.0;
+    const float size = frame.sphere.w;
+    return area > 0.0 ? vec2(0.5 * (e * gg - 2.0 * f * ff + g * ee) * size, (e * g - f * f) * size * size) / area : vec2(0);
+}
+
+// What a mode shows of them: one curvature.
+float shown_curvature(uint mode, vec2 mean_gaussian) {
+    const float mean = mean_gaussian.x, gaussian = mean_gaussian.y;
+    if (mode == kColorGaussian) return sign(gaussian) * sqrt(abs(gaussian));
+    if (mode == kColorPrincipal) return mean + (mean < 0.0 ? -1.0 : 1.0) * sqrt(max(mean * mean - gaussian, 0.0));
+    return mean;
 }
 
 vec3 surface_albedo(vec3 n) {
     const uint mode = frame.options.x;
     if (mode == kColorKind) return category(leaf_word() & 255u);
     if (mode == kColorLevel) return viridis(float(leaf_word() >> 8) / 8.0);
-    if (mode == kColorCurvature) {
-        const float h = mean_curvature(n);
+    if (mode == kColorCurvature || mode == kColorGaussian || mode == kColorPrincipal) {
+        const float h = shown_curvature(mode, curvatures(n));
         return blue_white_red(0.22 * sign(h) * log2(1.0 + abs(h)));
     }
     if (mode == kColorRate) {

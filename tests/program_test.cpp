@@ -140,6 +140,46 @@ std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
 constexpr const char* kEvalHeader =
     "face,u,v,px,py,pz,dux,duy,duz,dvx,dvy,dvz,duux,duuy,duuz,duvx,duvy,duvz,dvvx,dvvy,dvvz,status\n";
 
+TEST_F(Program, writes_curvatures) {
+    std::string samples = "face,u,v\n";
+    for (int i = 0; i < 60; ++i)
+        samples += std::to_string(i % 6) + "," + std::to_string(0.05 + i % 10 / 11.0) + "," +
+                   std::to_string(0.05 + i % 7 / 8.0) + "\n";
+    write("samples.csv", samples + "9,0,0\n");
+    const std::string eval = "eval cube.obj --at samples.csv --curvature ";
+    ASSERT_EQ(run(eval + "-o device.csv --validation").status, 0) << read("err.txt");
+    ASSERT_EQ(run(eval + "-o host.csv --device cpu").status, 0) << read("err.txt");
+    const auto device = parse_csv(read("device.csv")), host = parse_csv(read("host.csv"));
+    ASSERT_EQ(device.size(), 62u);
+    ASSERT_EQ(host.size(), 62u);
+    const std::vector<std::string> names = {"gaussian", "mean", "k1",  "k2",  "d1x",   "d1y",
+                                            "d1z",      "d2x",  "d2y", "d2z", "status"};
+    ASSERT_EQ(host[0].size(), 32u);
+    EXPECT_EQ(std::vector<std::string>(host[0].begin() + 21, host[0].end()), names);
+    EXPECT_EQ(device[0], host[0]);
+    for (size_t r = 1; r < 62; ++r) {
+        ASSERT_EQ(device[r].size(), 32u);
+        EXPECT_EQ(device[r][31], r < 61 ? "valid" : "out_of_range");
+        double a[10], b[10];
+        for (size_t k = 0; k < 10; ++k) {
+            a[k] = std::stod(device[r][21 + k]);
+            b[k] = std::stod(host[r][21 + k]);
+        }
+        const double largest = std::max({std::abs(b[2]), std::abs(b[3]), 1e-3});
+        EXPECT_NEAR(a[0], b[0], 1e-3 * largest * largest);
+        for (size_t k = 1; k < 4; ++k) EXPECT_NEAR(a[k], b[k], 1e-3 * largest);
+        EXPECT_NEAR(b[0], b[2] * b[3], 1e-4 * largest * largest);
+        EXPECT_NEAR(2 * b[1], b[2] + b[3], 1e-4 * largest);
+        EXPECT_GE(b[2], b[3]);
+        if (r == 61) {
+            for (const double x : b) EXPECT_EQ(x, 0);
+        } else {
+            EXPECT_NEAR(b[4] * b[7] + b[5] * b[8] + b[6] * b[9], 0, 1e-5);
+        }
+    }
+    EXPECT_EQ(run(eval + "--texture -o no.csv").status, 2);
+}
+
 TEST_F(Program, evaluates_samples_on_the_device_as_on_the_host) {
     std::string samples = "face,u,v\n";
     for (int i = 0; i < 400; ++i)
@@ -353,7 +393,7 @@ TEST_F(Program, draws_pictures) {
     EXPECT_EQ(read("again.png"), read("plain.png"));
     // Modes and overlays one by one are what limn_viewer_test is for.
     for (const char* more : {"--wireframe --control-mesh", "--color level --camera 200,-10,3,60",
-                             "--background '#ff8800' --no-ground --scheme bilinear", "--hardware-tessellation"}) {
+                             "--background '#ff8800' --no-ground --scheme bilinear", "--hardware-tessellation", "--color gaussian"}) {
         const Outcome other = run(common + "other.png " + more);
         EXPECT_EQ(other.status, 0) << more << ": " << other.errors;
         EXPECT_EQ(png_size(read("other.png")), "96x64") << more;

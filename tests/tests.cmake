@@ -18,6 +18,12 @@ set(test_files
     tests/refinement_test.cpp
     tests/stencil_table_test.cpp
     tests/patch_table_test.cpp
+    tests/curvature_test.cpp
+    tests/schemes/curve_test.cpp
+    tests/schemes/b_spline_test.cpp
+    tests/schemes/spline_mesh_test.cpp
+    tests/schemes/stam.cpp
+    tests/schemes/exact_evaluation_test.cpp
     tests/batch_test.cpp
     tests/batch_list_test.cpp
     tests/skinning_test.cpp
@@ -46,8 +52,10 @@ set(vulkan_test_files
     tests/vulkan/frames_test.cpp
     tests/vulkan/layout_test.cpp
     tests/vulkan/stencil_eval_test.cpp
+    tests/vulkan/curve_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
     tests/vulkan/surface_eval_test.cpp
+    tests/vulkan/curvature_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp
     tests/vulkan/device_tessellation.cpp
     tests/vulkan/tessellation_parity.cpp
@@ -112,7 +120,11 @@ if(LIMN_BUILD_FUZZERS)
     endforeach()
 endif()
 
+find_package(Eigen3 REQUIRED NO_MODULE)
 limn_add_test(limn_test cpu ${test_files})
+target_link_libraries(limn_test PRIVATE Eigen3::Eigen)
+target_compile_definitions(limn_test PRIVATE
+    LIMN_EXACT_EVALUATION="${CMAKE_CURRENT_SOURCE_DIR}/tests/schemes/exact_evaluation.txt")
 
 find_package(nlohmann_json REQUIRED)
 find_package(Eigen3 REQUIRED)

@@ -14,14 +14,15 @@ namespace {
 
 struct Options {
     std::string model, samples, output;
-    bool texture = false;
+    bool texture = false, curvature = false;
     SurfaceOptions surface;
     DeviceOption device;
 };
 
 constexpr size_t kRowsPerPass = size_t{1} << 18;  // progress is shown, and memory bounded, by passes
 constexpr size_t kNumberBytes = 24;               // of the longest float or face, and a comma
-constexpr uint32_t kMaxNumbers = 3 + 6 * 3;
+constexpr uint32_t kMaxNumbers = 3 + 6 * 3 + shared::kCurvatureFloats;
+constexpr const char* kCurvatureNames = ",gaussian,mean,k1,k2,d1x,d1y,d1z,d2x,d2y,d2z";
 constexpr const char* kValueNames[] = {"p", "du", "dv", "duu", "duv", "dvv"};
 
 const char* status_name(SampleStatus status) {
@@ -82,7 +83,7 @@ Result<Quantity> find_quantity(const Options& options, Progress& progress) {
     return Quantity{tables, &texture->patches, {texture->values.data(), texture->values.size()}, "st"};
 }
 
-std::string header(const Quantity& quantity) {
+std::string header(const Quantity& quantity, bool curvature) {
     std::string line = "face,u,v";
     for (const char* name : kValueNames)
         for (const char component : quantity.components) {
@@ -90,7 +91,7 @@ std::string header(const Quantity& quantity) {
             line += std::string(",") + (quantity.width() == 2 && name == kValueNames[0] ? "" : name);
             line += component;
         }
-    return line + ",status\n";
+    return line + (curvature ? kCurvatureNames : "") + ",status\n";
 }
 
 /// In the shortest form that reads back as the same float.
@@ -104,12 +105,14 @@ char* put_number(char* to, Number value) {
 void write_rows(std::span<const SampleRow> rows, const SurfaceValues& values, size_t count,
                 TextOutput& output) {
     char line[kMaxNumbers * kNumberBytes];
-    const float* numbers = values.numbers.data();
+    const float *numbers = values.numbers.data(), *curvatures = values.curvatures.data();
+    const size_t curvature_count = values.curvatures.size() / rows.size();
     for (size_t i = 0; i < rows.size(); ++i) {
         char* to = put_number(line, rows[i].face);
         to = put_number(to, rows[i].u);
         to = put_number(to, rows[i].v);
         for (size_t k = 0; k < count; ++k) to = put_number(to, *numbers++);
+        for (size_t k = 0; k < curvature_count; ++k) to = put_number(to, *curvatures++);
         output.append({line, static_cast<size_t>(to - line)});
         output.append(status_name(values.statuses[i]));
         output.append("\n");
@@ -122,7 +125,8 @@ SurfaceSample sample_of(const SampleRow& row) {
 }
 
 Result<void> evaluate_rows(const SurfaceRunner& runner, const RunSurface& surface,
-                           std::span<const SampleRow> rows, Progress* progress, TextOutput& output) {
+                           std::span<const SampleRow> rows, bool curvature, Progress* progress,
+                           TextOutput& output) {
     constexpr Derivatives kAll = Derivatives::second;
     std::vector<SurfaceSample> samples;
     for (size_t first = 0; first < rows.size(); first += samples.size()) {
@@ -132,7 +136,7 @@ Result<void> evaluate_rows(const SurfaceRunner& runner, const RunSurface& surfac
         const auto pass = rows.subspan(first, std::min(kRowsPerPass, rows.size() - first));
         samples.clear();
         for (const SampleRow& row : pass) samples.push_back(sample_of(row));
-        const Result<SurfaceValues> values = runner.run(surface, samples, kAll);
+        const Result<SurfaceValues> values = runner.run(surface, samples, kAll, curvature);
         if (!values) return values.error();
         write_rows(pass, *values, value_count(kAll) * surface.width, output);
     }
@@ -158,8 +162,9 @@ Result<void> evaluate(const Options& options, Progress& progress) {
     // Rows on the terminal are progress enough.
     const bool to_terminal = options.output == "-" && isatty(STDOUT_FILENO) != 0;
     if (to_terminal) progress.clear();
-    output->append(header(*quantity));
-    if (auto done = evaluate_rows(*runner, *surface, *rows, to_terminal ? nullptr : &progress, *output);
+    output->append(header(*quantity, options.curvature));
+    if (auto done = evaluate_rows(*runner, *surface, *rows, options.curvature,
+                                  to_terminal ? nullptr : &progress, *output);
         !done)
         return done;
     if (auto silent = device->check_validation(); !silent) return silent;
@@ -187,7 +192,9 @@ void add_eval(CLI::App& program, int& status) {
         ->required();
     command->add_option("-o,--output", options->output, "CSV file to write; - is standard output")
         ->required();
-    command->add_flag("--texture", options->texture, "Evaluate texture coordinates instead of positions");
+    CLI::Option* texture =
+        command->add_flag("--texture", options->texture, "Evaluate texture coordinates instead of positions");
+    command->add_flag("--curvature", options->curvature, "Write curvatures, too")->excludes(texture);
     add_surface_options(*command, options->surface);
     add_device_option(*command, options->device);
     command->footer(
@@ -199,6 +206,11 @@ void add_eval(CLI::App& program, int& status) {
         "dvvx.. "
         "by u and v, and status: valid; hole; out_of_range (no such face, or u and v are not within it). "
         "Values that are not valid are 0. With --texture: face,u,v,s,t,dus,dut,dvs,dvt, and so on.\n"
+        "With --curvature, before status: gaussian, mean, the principal curvatures k1 >= k2 (positive where "
+        "the "
+        "surface bends away from its normal, as a sphere does) and the unit directions d1x..d1z, d2x..d2z "
+        "that "
+        "they belong to. Exactly at extraordinary vertices all are 0.\n"
         "Evaluation is in float, u and v included.");
     command->callback([options, command, &status] {
         check_baked_usage(*command, options->model);

@@ -5,11 +5,14 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/vector_relational.hpp>
+#include <map>
+#include <string>
 
 namespace limn::cli {
 namespace {
 
-constexpr const char* kColors[] = {"clay", "kind", "level", "curvature", "rate", "normals", "sides"};
+constexpr const char* kColors[] = {"clay",    "kind",  "level",    "curvature", "rate",
+                                   "normals", "sides", "gaussian", "principal"};
 
 glm::vec3 linear_from_srgb(const glm::vec3& c) {
     return glm::mix(glm::pow((c + 0.055f) / 1.055f, glm::vec3(2.4f)), c / 12.92f,
@@ -71,8 +74,12 @@ void add_look_options(CLI::App& command, LookOptions& options) {
     command
         .add_option(
             "--color", options.color,
-            "Clay, or the patch's kind, its level, the mean curvature, the tessellation rate, normals; "
-            "sides: where a closed surface has a crack, magenta shows")
+            "Clay, or the patch's kind, its level, the mean curvature (blue is concave, red convex), the "
+            "Gaussian one (blue are saddles), the larger principal one, the tessellation rate, normals; "
+            "sides: "
+            "where a closed surface has a crack, magenta shows")
+        ->transform(
+            CLI::Transformer(std::map<std::string, std::string>{{"mean", "curvature"}}).description(""))
         ->check(CLI::IsMember(color_names()))
         ->capture_default_str()
         ->group(group);
@@ -117,7 +124,9 @@ RateSettings rate_settings_of(const LookOptions& options) {
                    {options.pixel_error, RateMode::pixel_error}};
     settings.mode = RateMode::pixel_error;
     // Curvature is that of single triangles.
-    settings.value = options.color == "curvature" ? 0.5f * kPixelError : kPixelError;
+    const bool curvature =
+        options.color == "curvature" || options.color == "gaussian" || options.color == "principal";
+    settings.value = curvature ? 0.5f * kPixelError : kPixelError;
     for (const auto& choice : choices)
         if (choice.value) settings.mode = choice.mode, settings.value = *choice.value;
     return settings;

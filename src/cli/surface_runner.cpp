@@ -9,9 +9,20 @@ constexpr size_t kSamplesPerPass = size_t{1} << 18;
 
 static_assert(sizeof(SurfaceSample) == 12, "three words, as vk::SampleBuffer has them");
 
+/// The curvatures of records of second derivatives, in the order of Curvature's members.
+void append_curvatures(std::span<const double> numbers, size_t count, std::vector<float>& out) {
+    std::vector<Curvature> curvatures(count);
+    evaluate_curvature(numbers, 3, curvatures);
+    for (const Curvature& c : curvatures) {
+        for (const double x : {c.gaussian, c.mean, c.first, c.second}) out.push_back(static_cast<float>(x));
+        for (const auto* direction : {&c.first_direction, &c.second_direction})
+            for (const double x : *direction) out.push_back(static_cast<float>(x));
+    }
+}
+
 /// Adds the values of samples to `out`.
 void run_on_host(const RunSurface& surface, std::span<const SurfaceSample> samples, Derivatives derivatives,
-                 SurfaceValues& out) {
+                 bool curvature, SurfaceValues& out) {
     std::vector<PatchSample> places;
     places.reserve(samples.size());
     for (const SurfaceSample& s : samples)
@@ -22,6 +33,7 @@ void run_on_host(const RunSurface& surface, std::span<const SurfaceSample> sampl
                             statuses);
     for (const double x : numbers) out.numbers.push_back(static_cast<float>(x));
     out.statuses.insert(out.statuses.end(), statuses.begin(), statuses.end());
+    if (curvature) append_curvatures(numbers, samples.size(), out.curvatures);
 }
 
 Result<vk::Buffer> create_words(const vk::Device& device, size_t count) {
@@ -36,6 +48,23 @@ Result<void> submit(const vk::Device& device, const Evaluation& evaluation) {
     return commands->submit_and_wait();
 }
 
+/// Of the records that a device has in `values`, appended to `out`.
+Result<void> append_curvatures(const vk::Device& device, const vk::CurvatureEvaluator& evaluator,
+                               const vk::Buffer& values, size_t count, std::vector<float>& out) {
+    constexpr uint32_t kFloats = shared::kCurvatureFloats;
+    const Result<vk::Buffer> buffer = create_words(device, kFloats * count);
+    if (!buffer) return buffer.error();
+    const auto evaluation = evaluator.prepare({.sample_count = static_cast<uint32_t>(count),
+                                               .values = {.buffer = values.handle, .stride = 18},
+                                               .curvatures = {.buffer = buffer->handle, .stride = kFloats}});
+    if (!evaluation) return evaluation.error();
+    if (auto done = submit(device, *evaluation); !done) return done;
+    const auto numbers = vk::download<float>(device, *buffer, kFloats * count);
+    if (!numbers) return numbers.error();
+    out.insert(out.end(), numbers->begin(), numbers->end());
+    return {};
+}
+
 }  // namespace
 
 Result<SurfaceRunner> SurfaceRunner::create(const RunDevice& device) {
@@ -45,6 +74,9 @@ Result<SurfaceRunner> SurfaceRunner::create(const RunDevice& device) {
     Result<vk::SurfaceEvaluator> evaluator = vk::SurfaceEvaluator::create(*device.vulkan());
     if (!evaluator) return evaluator.error();
     runner.evaluator_.emplace(std::move(*evaluator));
+    Result<vk::CurvatureEvaluator> curvature = vk::CurvatureEvaluator::create(*device.vulkan());
+    if (!curvature) return curvature.error();
+    runner.curvature_.emplace(std::move(*curvature));
     return runner;
 }
 
@@ -79,7 +111,7 @@ Result<RunSurface> SurfaceRunner::prepare(const PatchTable& table, std::span<con
 }
 
 Result<void> SurfaceRunner::run_pass(const RunSurface& surface, std::span<const SurfaceSample> samples,
-                                     Derivatives derivatives, SurfaceValues& out) const {
+                                     Derivatives derivatives, bool curvature, SurfaceValues& out) const {
     const vk::Device& device = *device_->vulkan();
     const uint32_t record = value_count(derivatives) * surface.width;
     Result<vk::Buffer> places = create_words(device, 3 * samples.size());
@@ -105,19 +137,21 @@ Result<void> SurfaceRunner::run_pass(const RunSurface& surface, std::span<const 
     if (!words) return words.error();
     out.numbers.insert(out.numbers.end(), numbers->begin(), numbers->end());
     for (const uint32_t word : *words) out.statuses.push_back(static_cast<SampleStatus>(word));
-    return {};
+    if (!curvature) return {};
+    return append_curvatures(device, *curvature_, *results, samples.size(), out.curvatures);
 }
 
 Result<SurfaceValues> SurfaceRunner::run(const RunSurface& surface, std::span<const SurfaceSample> samples,
-                                         Derivatives derivatives) const {
+                                         Derivatives derivatives, bool curvature) const {
+    assert(!curvature || (derivatives == Derivatives::second && surface.width == 3));
     SurfaceValues values;
     values.numbers.reserve(samples.size() * value_count(derivatives) * surface.width);
     values.statuses.reserve(samples.size());
     for (; !samples.empty(); samples = samples.subspan(std::min(samples.size(), kSamplesPerPass))) {
         const auto pass = samples.first(std::min(samples.size(), kSamplesPerPass));
         if (device_->is_host()) {
-            run_on_host(surface, pass, derivatives, values);
-        } else if (auto done = run_pass(surface, pass, derivatives, values); !done) {
+            run_on_host(surface, pass, derivatives, curvature, values);
+        } else if (auto done = run_pass(surface, pass, derivatives, curvature, values); !done) {
             return done.error();
         }
     }

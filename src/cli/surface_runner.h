@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cli/run_device.h"
+#include "limn/vulkan/curvature.h"
 #include "limn/vulkan/surface_evaluator.h"
 
 namespace limn::cli {
@@ -21,6 +22,9 @@ struct SurfaceSample {
 struct SurfaceValues {
     std::vector<float> numbers;
     std::vector<SampleStatus> statuses;
+    /// What else was asked for: shared::kCurvatureFloats numbers for each sample, in the order of Curvature's
+    /// members.
+    std::vector<float> curvatures;
 };
 
 /// A patch table with its points, where they are evaluated.
@@ -43,16 +47,18 @@ class SurfaceRunner {
     Result<RunSurface> prepare(const PatchTable& table, std::span<const float> control_points,
                                uint32_t width) const;
 
-    /// Any number of samples: what devices hold at once is bounded.
+    /// Any number of samples: what devices hold at once is bounded. Curvature: of points of three components,
+    /// with second derivatives.
     Result<SurfaceValues> run(const RunSurface& surface, std::span<const SurfaceSample> samples,
-                              Derivatives derivatives) const;
+                              Derivatives derivatives, bool curvature = false) const;
 
   private:
     Result<void> run_pass(const RunSurface& surface, std::span<const SurfaceSample> samples,
-                          Derivatives derivatives, SurfaceValues& out) const;
+                          Derivatives derivatives, bool curvature, SurfaceValues& out) const;
 
     const RunDevice* device_ = nullptr;
     std::optional<vk::SurfaceEvaluator> evaluator_;
+    std::optional<vk::CurvatureEvaluator> curvature_;
 };
 
 }  // namespace limn::cli

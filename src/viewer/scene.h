@@ -52,6 +52,8 @@ enum class ColorMode : uint32_t {
     rate,       ///< of tessellation, on a logarithmic scale; needs triangle_faces and face_rates
     normals,
     sides,  ///< fronts grey, backs magenta, nothing else: where a closed surface has a crack, magenta shows
+    gaussian,   ///< curvature, its root times the size: blue are saddles, red what is convex or concave all around
+    principal,  ///< the one of the principal curvatures that is farther from 0, as curvature
 };
 
 /// Reads of a RenderMesh with hardware tessellation.

@@ -35,7 +35,7 @@ struct ViewOptions {
     bool animate = false;
     std::vector<std::string> schemes, colors;  ///< to choose among; colours in the order of ColorMode
     int scheme = 0;                            ///< to start with
-    /// The tables of the model under a scheme of `schemes`, with positions.
+    /// The model under a scheme of `schemes`.
     std::function<Result<ViewModel>(const std::string& scheme)> load;
     /// Not 0: show so many frames, a sixtieth of a second apart, then return the last one as the window shows
     /// it.

@@ -30,6 +30,13 @@ LIMN_FN Jet jet_mul(Jet a, Jet b) {
                     a.uu * b.f + two * a.u * b.u + a.f * b.uu, a.uv * b.f + a.u * b.v + a.v * b.u + a.f * b.uv,
                     a.vv * b.f + two * a.v * b.v + a.f * b.vv);
 }
+// a / b
+LIMN_FN Jet jet_div(Jet a, Jet b) {
+    const real two = real(2), f = a.f / b.f;
+    const real u = (a.u - f * b.u) / b.f, v = (a.v - f * b.v) / b.f;
+    return make_jet(f, u, v, (a.uu - two * u * b.u - f * b.uu) / b.f, (a.uv - u * b.v - v * b.u - f * b.uv) / b.f,
+                    (a.vv - two * v * b.v - f * b.vv) / b.f);
+}
 
 LIMN_SHARED_END
 #endif
