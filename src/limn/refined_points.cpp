@@ -91,6 +91,9 @@ void PointRuns<Real>::write(BasicPatchTable<Real>& table) const {
 template class PointRuns<float>;
 template class PointRuns<double>;
 
+uint32_t vertex_block(uint32_t v) {
+    return v / kBlockSize;
+}
 uint32_t vertex_block_count(const Topology& base) {
     return (base.vertex_count + kBlockSize - 1) / kBlockSize;
 }

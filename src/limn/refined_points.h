@@ -79,7 +79,8 @@ struct RefinedPoints {
 /// the chunks of faces that `first_faces` tells apart, of its faces (not Loop); then of the edges that appear
 /// in it first.
 std::vector<uint32_t> find_child_blocks(const Topology& base, const std::vector<uint32_t>& first_faces);
-/// How many blocks of vertices there are.
+/// The block of a vertex's child, and how many such blocks there are.
+uint32_t vertex_block(uint32_t v);
 uint32_t vertex_block_count(const Topology& base);
 
 /// Makes the blocks of `points`, whose first_children are known, but for those that are there and have rows

@@ -31,7 +31,7 @@ constexpr uint32_t kCorners = 4;  ///< numbers of corners that a ptex face takes
 struct Builder {
     const ControlMesh& mesh;
     const TessellationTableOptions& options;
-    Topology base;
+    const Topology& base;
     TessellationTable& out;
     uint32_t own_size = 4;                   ///< of faces that are one ptex face
     std::vector<uint32_t> first_ptex = {};   ///< of each face
@@ -304,41 +304,57 @@ void Builder::write_corners(Sets& corners, const BuildPart& part) {
     out.row_count = static_cast<uint32_t>(rows.size() / shared::kTessRowWords);
 }
 
-}  // namespace
-
-Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
-                                                   const TessellationTableOptions& options) {
+Result<void> check(const ControlMesh& mesh, const TessellationTableOptions& options) {
     for (const uint32_t channel : options.channels)
         if (channel >= mesh.channels.size())
             return Error{ErrorCode::index_out_of_range,
                          "channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
                          channel};
+    if (mesh.face_vertices.size() >= size_t{1} << 28)
+        return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
+    return {};
+}
+
+}  // namespace
+
+Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, const Topology& base,
+                                                   const TessellationTableOptions& options) {
+    if (auto ok = check(mesh, options); !ok) return ok.error();
     const BuildPart& part = options.control;
     if (auto ok = part.start(); !ok) return ok.error();
     TessellationTable out;
-    if (mesh.face_vertices.size() >= size_t{1} << 28)
-        return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
-    Builder b{mesh, options, build_topology(mesh, part.part(0, 0.35f)), out};
-    if (auto ok = part.check(); !ok) return ok.error();
-    out.options = b.base.options;
-    b.count_faces(part.part(0.35f, 0.4f));
+    Builder b{mesh, options, base, out};
+    out.options = base.options;
+    b.count_faces(part.part(0, 0.1f));
     if (auto ok = part.check(); !ok) return ok.error();
     out.rate_edges.allocate(size_t{out.rate_edge_count} * shared::kRateEdgeWords);
-    b.row_of_corner.assign(b.base.corner_count(), kInvalidIndex);
-    b.sub_rows.assign(out.rate_edge_count - b.base.edge_count, kInvalidIndex);
-    for_each_in_order(b.base.edge_count, part.part(0.4f, 0.55f), [&](uint32_t e) { b.add_rows_of_edge(e); });
-    for_each_in_order(b.base.face_count, part.part(0.55f, 0.6f), [&](uint32_t f) {
+    b.row_of_corner.assign(base.corner_count(), kInvalidIndex);
+    b.sub_rows.assign(out.rate_edge_count - base.edge_count, kInvalidIndex);
+    for_each_in_order(base.edge_count, part.part(0.1f, 0.3f), [&](uint32_t e) { b.add_rows_of_edge(e); });
+    for_each_in_order(base.face_count, part.part(0.3f, 0.4f), [&](uint32_t f) {
         if (b.is_split(f)) b.add_sub_rows(f);
     });
     if (auto ok = part.check(); !ok) return ok.error();
     Sets corners(size_t{out.face_count} * kCorners);
-    b.join_corners(corners, part.part(0.6f, 0.7f));
+    b.join_corners(corners, part.part(0.4f, 0.6f));
     if (auto ok = part.check(); !ok) return ok.error();
-    b.write_faces(corners, part.part(0.7f, 0.8f));
+    b.write_faces(corners, part.part(0.6f, 0.7f));
     if (auto ok = part.check(); !ok) return ok.error();
-    b.write_corners(corners, part.part(0.8f, 0.98f));
+    b.write_corners(corners, part.part(0.7f, 0.98f));
     if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
+}
+
+Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
+                                                   const TessellationTableOptions& options) {
+    constexpr float kTopologyEnd = 0.35f;  // of progress
+    if (auto ok = check(mesh, options); !ok) return ok.error();
+    if (auto ok = options.control.start(); !ok) return ok.error();
+    const Topology base = build_topology(mesh, options.control.part(0, kTopologyEnd));
+    if (auto ok = options.control.check(); !ok) return ok.error();
+    TessellationTableOptions rest = options;
+    rest.control = options.control.part(kTopologyEnd, 1);
+    return build_tessellation_table(mesh, base, rest);
 }
 
 }  // namespace limn
