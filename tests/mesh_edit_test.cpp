@@ -25,6 +25,10 @@ struct Edit {
                 crease_vertices, crease_sharpness, corner_vertices, corner_sharpness,
                 holes,           filled_holes};
     }
+    size_t new_face_count(size_t face_count) const {
+        const auto is_new = [&](uint32_t f) { return f >= face_count; };
+        return static_cast<size_t>(std::count_if(faces.begin(), faces.end(), is_new));
+    }
     void set_face(uint32_t face, const std::vector<uint32_t>& vertices) {
         faces.push_back(face);
         face_sizes.push_back(static_cast<uint32_t>(vertices.size()));
@@ -73,8 +77,7 @@ struct Model {
     }
     void change_faces(const Edit& edit) {
         vertex_count += edit.new_vertex_count;
-        faces.resize(faces.size() + std::count_if(edit.faces.begin(), edit.faces.end(),
-                                                  [&](uint32_t f) { return f >= faces.size(); }));
+        faces.resize(faces.size() + edit.new_face_count(faces.size()));
         const uint32_t* vertices = edit.face_vertices.data();
         for (size_t i = 0; i < edit.faces.size(); ++i) {
             faces[edit.faces[i]].assign(vertices, vertices + edit.face_sizes[i]);
@@ -249,9 +252,7 @@ struct RandomEdits {
         std::vector<uint32_t> face = model.faces[f];
         const auto size = static_cast<uint32_t>(face.size());
         const auto new_face = [&] {
-            return static_cast<uint32_t>(model.faces.size() +
-                                         std::count_if(edit.faces.begin(), edit.faces.end(),
-                                                       [&](uint32_t i) { return i >= model.faces.size(); }));
+            return static_cast<uint32_t>(model.faces.size() + edit.new_face_count(model.faces.size()));
         };
         const auto new_vertex = [&] { return model.vertex_count + edit.new_vertex_count++; };
         const bool triangles = model.mesh.options.scheme == Scheme::loop;

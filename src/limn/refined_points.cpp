@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <ranges>
 #include <unordered_map>
 
 #include "limn/parallel.h"
@@ -104,13 +103,10 @@ std::vector<uint32_t> find_child_blocks(const Topology& base, const std::vector<
     const std::span chunks(first_faces.begin(), first_faces.end() - 1);
     if (base.options.scheme != Scheme::loop)
         for (const uint32_t f : chunks) out.push_back(child_of_face(base, f));
-    // Edges are numbered as they appear, corner by corner.
-    const auto edges = std::views::iota(0u, base.edge_count);
+    uint32_t e = 0;  // edges are numbered as they appear, corner by corner
     for (const uint32_t f : chunks) {
-        const auto first = std::ranges::lower_bound(edges, base.face_begin(f), {}, [&](uint32_t e) {
-            return base.edge_corners[base.edge_corner_offsets[e]];
-        });
-        out.push_back(child_of_edge(base, static_cast<uint32_t>(first - edges.begin())));
+        while (e < base.edge_count && base.corners_of_edge(e)[0] < base.face_begin(f)) ++e;
+        out.push_back(child_of_edge(base, e));
     }
     out.push_back(child_of_edge(base, base.edge_count));
     return out;

@@ -37,6 +37,7 @@ struct Builder {
     std::vector<uint32_t> first_ptex = {};   ///< of each face
     std::vector<uint32_t> first_sub = {};    ///< of each face's sub-face edges
     std::vector<uint8_t> halved = {};        ///< mesh edges beside faces that are split at their middle
+    std::vector<uint8_t> shared_rows = {};   ///< mesh edges whose two faces share a row
     std::vector<uint32_t> row_of_corner = {};  ///< mesh corner -> the row, or the first of two, of the edge there
     std::vector<uint32_t> rows = {}, row_copies = {}, sub_rows = {};
 
@@ -61,8 +62,7 @@ struct Builder {
         }
         return false;
     }
-    /// Whether the two faces of an edge share its row.
-    bool is_shared(uint32_t e) const {
+    bool find_shared(uint32_t e) const {
         const auto corners = base.corners_of_edge(e);
         if (corners.size() != 2 || !is_drawn_corner(corners[0]) || !is_drawn_corner(corners[1])) return false;
         if (base.face_vertices[corners[0]] == base.face_vertices[corners[1]]) return false;  // wound differently
@@ -84,11 +84,14 @@ struct Builder {
                              [&](uint32_t e) { return is_infinite(base.edge_sharpness[e]); }) <= 2;
     }
 
+    bool is_shared(uint32_t e) const { return shared_rows[e] != 0; }
+
     void count_faces(const BuildPart& part);
+    void share_rows(const BuildPart& part);
     void add_rows_of_edge(uint32_t e);
     void add_sub_rows(uint32_t face);
     uint32_t add_row(uint32_t rate_edge, uint32_t corner, bool along, bool is_halved);
-    void write_faces(Sets& corners, const BuildPart& part);
+    void write_sides(const BuildPart& part);
     void write_corners(Sets& corners, const BuildPart& part);
     void join_corners(Sets& corners, const BuildPart& part) const;
 };
@@ -109,6 +112,12 @@ void Builder::count_faces(const BuildPart& part) {
         if (is_drawn(f))
             for (const uint32_t e : base.edges_of_face(f)) halved[e] = 1;
     });
+}
+
+void Builder::share_rows(const BuildPart& part) {
+    shared_rows.resize(base.edge_count);
+    for_each_index(base.edge_count, part, [&](uint32_t e) { shared_rows[e] = find_shared(e); });
+    rows.reserve(size_t{out.rate_edge_count} * shared::kTessRowWords);  // or somewhat more of them
 }
 
 /// Adds one row, or two halves, of the edge that begins at `corner` of its face, from its beginning there or
@@ -209,9 +218,10 @@ void Builder::join_corners(Sets& corners, const BuildPart& part) const {
     });
 }
 
-void Builder::write_faces(Sets& corners, const BuildPart& part) {
+/// What faces are, but for their corners.
+void Builder::write_sides(const BuildPart& part) {
     out.faces.assign(size_t{out.face_count} * shared::kTessFaceWords, shared::kNoSide);
-    for_each_in_order(base.face_count, part, [&](uint32_t f) {
+    for_each_index(base.face_count, part, [&](uint32_t f) {
         if (!is_drawn(f)) return;
         const uint32_t n = base.size_of_face(f), begin = base.face_begin(f);
         const auto side = [&](uint32_t j) {  // of edge j, whole
@@ -237,7 +247,6 @@ void Builder::write_faces(Sets& corners, const BuildPart& part) {
             } else {
                 for (uint32_t j = 0; j < n; ++j) words[j] = side(j);
             }
-            for (uint32_t k = 0; k < own_size; ++k) words[4 + k] = corners.find(kCorners * (first_ptex[f] + q) + k);
         }
     });
 }
@@ -325,7 +334,8 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, cons
     TessellationTable out;
     Builder b{mesh, options, base, out};
     out.options = base.options;
-    b.count_faces(part.part(0, 0.1f));
+    b.count_faces(part.part(0, 0.05f));
+    b.share_rows(part.part(0.05f, 0.1f));
     if (auto ok = part.check(); !ok) return ok.error();
     out.rate_edges.allocate(size_t{out.rate_edge_count} * shared::kRateEdgeWords);
     b.row_of_corner.assign(base.corner_count(), kInvalidIndex);
@@ -338,7 +348,7 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, cons
     Sets corners(size_t{out.face_count} * kCorners);
     b.join_corners(corners, part.part(0.4f, 0.6f));
     if (auto ok = part.check(); !ok) return ok.error();
-    b.write_faces(corners, part.part(0.6f, 0.7f));
+    b.write_sides(part.part(0.6f, 0.7f));
     if (auto ok = part.check(); !ok) return ok.error();
     b.write_corners(corners, part.part(0.7f, 0.98f));
     if (auto ok = part.reach(1); !ok) return ok.error();
