@@ -26,6 +26,7 @@ set(test_files
     tests/schemes/exact_evaluation_test.cpp
     tests/batch_test.cpp
     tests/batch_list_test.cpp
+    tests/mesh_edit_test.cpp
     tests/skinning_test.cpp
     tests/tess_pattern_test.cpp
     tests/tessellate_test.cpp

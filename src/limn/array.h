@@ -69,6 +69,14 @@ class Array {
         if (data_ == nullptr) std::abort();
         size_ = capacity_ = size;
     }
+    /// As allocate, but a block of any size is used again where it is large enough: true, with what it held. A larger one has room
+    /// for a sixteenth more.
+    bool reuse(size_t size) {
+        const bool fits = size <= capacity_;
+        if (!fits) allocate(capacity_ == 0 ? size : size + size / 16);
+        size_ = size;
+        return fits;
+    }
     void assign(size_t size, T value) {
         allocate(size);
         for (size_t i = 0; i < size; ++i) data_[i] = value;

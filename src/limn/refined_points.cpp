@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "limn/parallel.h"
+#include "limn/refinement.h"
 #include "limn/stencil_row.h"
 #include "limn/topology_build.h"
 
@@ -31,6 +32,8 @@ IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPar
 
 namespace {
 
+constexpr uint32_t kBlockSize = 512;  ///< vertices of a block of their children
+
 template <class Real>
 uint64_t hash_weights(std::span<const Real> weights) {
     uint64_t hash = weights.size();
@@ -43,17 +46,23 @@ uint64_t hash_weights(std::span<const Real> weights) {
 
 template <class Real>
 uint32_t PointRuns<Real>::add(const Real* weights, uint32_t entry_count, uint32_t row_count) {
-    const uint64_t hash = hash_weights<Real>({weights, entry_count});
+    const std::span row(weights, entry_count);
+    return add(hash_weights<Real>(row), row, row_count);
+}
+
+template <class Real>
+uint32_t PointRuns<Real>::add(uint64_t hash, std::span<const Real> weights, uint32_t row_count) {
+    const auto entry_count = static_cast<uint32_t>(weights.size());
     const auto [begin, end] = runs_by_hash_.equal_range(hash);
     auto at = std::find_if(begin, end, [&](const auto& entry) {
         const PointRun& run = runs_[entry.second];
         return run.entry_count == entry_count &&
-               std::equal(weights, weights + entry_count, weights_.begin() + run.first_weight);
+               std::equal(weights.begin(), weights.end(), weights_.begin() + run.first_weight);
     });
     if (at == end) {
         at = runs_by_hash_.emplace(hash, static_cast<uint32_t>(runs_.size()));
         runs_.push_back({0, 0, entry_count, 0, static_cast<uint32_t>(weights_.size())});
-        weights_.insert(weights_.end(), weights, weights + entry_count);
+        weights_.insert(weights_.end(), weights.begin(), weights.end());
     }
     runs_[at->second].row_count += row_count;
     return at->second;
@@ -81,91 +90,75 @@ void PointRuns<Real>::write(BasicPatchTable<Real>& table) const {
 template class PointRuns<float>;
 template class PointRuns<double>;
 
+uint32_t vertex_block(uint32_t v) {
+    return v / kBlockSize;
+}
+uint32_t vertex_block_count(const Topology& base) {
+    return (base.vertex_count + kBlockSize - 1) / kBlockSize;
+}
+
+std::vector<uint32_t> find_child_blocks(const Topology& base, const std::vector<uint32_t>& first_faces) {
+    std::vector<uint32_t> out;
+    for (uint32_t v = 0; v < base.vertex_count; v += kBlockSize) out.push_back(v);
+    const std::span chunks(first_faces.begin(), first_faces.end() - 1);
+    if (base.options.scheme != Scheme::loop)
+        for (const uint32_t f : chunks) out.push_back(child_of_face(base, f));
+    uint32_t e = 0;  // edges are numbered as they appear, corner by corner
+    for (const uint32_t f : chunks) {
+        while (e < base.edge_count && base.corners_of_edge(e)[0] < base.face_begin(f)) ++e;
+        out.push_back(child_of_edge(base, e));
+    }
+    out.push_back(child_of_edge(base, base.edge_count));
+    return out;
+}
+
 namespace {
 
-/// The level-1 vertices that rings hold, with rows of equal weights together, and what they are made of. Each
-/// chunk of rows finds the patterns of weights that it meets; then the chunks' patterns become runs.
 template <class Real>
-class PointBuilder {
-  public:
-    PointBuilder(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
-                 BasicPatchTable<Real>& table)
-        : base_(base), linear_(linear), control_indices_(control_indices), table_(table) {}
+std::span<const Real> weights_of(const PointBlock<Real>& block,
+                                 const typename PointBlock<Real>::Pattern& pattern) {
+    return std::span(block.weights).subspan(pattern.first_weight, pattern.entry_count);
+}
 
-    /// point_of_child[v] is not kInvalidIndex where v is needed, and receives its point.
-    Result<void> build(std::vector<uint32_t>& point_of_child, const BuildPart& part) {
-        std::vector<uint32_t> needed;
-        for_each_in_order(static_cast<uint32_t>(point_of_child.size()), part.part(0, 0.1f), [&](uint32_t v) {
-            if (point_of_child[v] != kInvalidIndex) needed.push_back(v);
-        });
-        table_.refined_count = static_cast<uint32_t>(needed.size());
-        table_.first_refined = first_refined_point(table_.control_count, table_.refined_count);
-        std::vector<Chunk> chunks((needed.size() + kChunkSize - 1) / kChunkSize);
-        auto of_chunk = [&](uint32_t n) {
-            const size_t begin = n * kChunkSize;
-            return std::span(needed).subspan(begin, std::min(kChunkSize, needed.size() - begin));
-        };
-        const auto chunk_count = static_cast<uint32_t>(chunks.size());
-        for_each_index(
-            chunk_count, part.part(0.1f, 0.6f), [&](uint32_t n) { make_rows(of_chunk(n), chunks[n]); }, 1);
-        const size_t index_count = make_runs(chunks, part.part(0.6f, 0.7f));
-        if (index_count > kInvalidIndex)
-            return Error{ErrorCode::too_large, "points of level 1 are made of 2^32 control points or more"};
-        Array<uint32_t> indices;
-        indices.allocate(index_count);
-        for_each_index(
-            chunk_count, part.part(0.7f, 0.95f),
-            [&](uint32_t n) { place_rows(of_chunk(n), chunks[n], point_of_child, indices); }, 1);
-        table_.point_indices = pack_indices(std::move(indices), table_.control_count, part.part(0.95f, 1));
-        return {};
-    }
+/// Makes rows, and finds the patterns of weights that they have.
+template <class Real>
+struct RowMaker {
+    const Topology& base;
+    Interpolation rules;
+    const Array<uint32_t>& control_indices;
 
-  private:
-    static constexpr size_t kChunkSize = 512;
-    struct Pattern {
-        uint64_t hash;
-        uint32_t entry_count, first_weight;  ///< in the weights of its chunk
-        uint32_t row_count = 0;
-        uint32_t run = 0;
-        uint32_t next_row = 0;  ///< the row of the run that the chunk's next row of this pattern is
-    };
-    struct Chunk {
-        std::vector<uint32_t> pattern_of_row, indices;
-        std::vector<Pattern> patterns;
-        std::vector<Real> weights;
-    };
-
-    void make_rows(std::span<const uint32_t> children, Chunk& chunk) const {
-        const Interpolation rules = linear_ ? Interpolation::varying : Interpolation::vertex;
+    PointBlock<Real> make(uint32_t first_child, std::vector<uint32_t> children) const {
+        PointBlock<Real> block;
+        block.children = std::move(children);
         std::unordered_multimap<uint64_t, uint32_t> patterns_by_hash;
         Row row;
         std::vector<Real> weights;
-        for (const uint32_t child : children) {
+        for (const uint32_t child : block.children) {
             row.clear();
-            refinement_row(base_, child, rules, row);
-            append(row, chunk.indices, weights);
+            refinement_row(base, first_child + child, rules, row);
+            append(row, block.indices, weights);
             const uint64_t hash = hash_weights<Real>(weights);
             const auto [begin, end] = patterns_by_hash.equal_range(hash);
             auto at = std::find_if(begin, end, [&](const auto& entry) {
-                return has_weights(chunk, chunk.patterns[entry.second], weights);
+                return std::ranges::equal(weights_of(block, block.patterns[entry.second]), weights);
             });
             if (at == end) {
-                at = patterns_by_hash.emplace(hash, static_cast<uint32_t>(chunk.patterns.size()));
-                chunk.patterns.push_back({hash, static_cast<uint32_t>(weights.size()),
-                                          static_cast<uint32_t>(chunk.weights.size())});
-                chunk.weights.insert(chunk.weights.end(), weights.begin(), weights.end());
+                at = patterns_by_hash.emplace(hash, static_cast<uint32_t>(block.patterns.size()));
+                block.patterns.push_back({hash, static_cast<uint32_t>(weights.size()),
+                                          static_cast<uint32_t>(block.weights.size())});
+                block.weights.insert(block.weights.end(), weights.begin(), weights.end());
             }
-            ++chunk.patterns[at->second].row_count;
-            chunk.pattern_of_row.push_back(at->second);
+            ++block.patterns[at->second].row_count;
+            block.pattern_of_row.push_back(at->second);
         }
+        return block;
     }
-
     /// Adds up what a row says of the same control point.
     void append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
         const size_t begin = indices.size();
         weights.clear();
         for (const RowEntry& e : row) {
-            const uint32_t index = control_indices_.empty() ? e.index : control_indices_[e.index];
+            const uint32_t index = control_indices.empty() ? e.index : control_indices[e.index];
             size_t at = begin;
             while (at < indices.size() && indices[at] != index) ++at;
             if (at == indices.size()) {
@@ -175,58 +168,113 @@ class PointBuilder {
             weights[at - begin] += static_cast<Real>(e.weight);
         }
     }
-
-    static std::span<const Real> weights_of(const Chunk& chunk, const Pattern& pattern) {
-        return std::span(chunk.weights).subspan(pattern.first_weight, pattern.entry_count);
-    }
-    static bool has_weights(const Chunk& chunk, const Pattern& pattern, std::span<const Real> weights) {
-        return std::ranges::equal(weights_of(chunk, pattern), weights);
-    }
-
-    /// Runs in the order in which rows need them. Returns how many indices they have.
-    size_t make_runs(std::vector<Chunk>& chunks, const BuildPart& part) {
-        PointRuns<Real> runs;
-        size_t index_count = 0;
-        auto add = [&](uint32_t n) {
-            for (Pattern& pattern : chunks[n].patterns) {
-                pattern.run = runs.add(weights_of(chunks[n], pattern).data(), pattern.entry_count, pattern.row_count);
-                pattern.next_row = runs.runs()[pattern.run].row_count - pattern.row_count;
-                index_count += size_t{pattern.row_count} * pattern.entry_count;
-            }
-        };
-        for_each_in_order(static_cast<uint32_t>(chunks.size()), part, add, 16);
-        runs.place(table_.first_refined);
-        runs.write(table_);
-        return index_count;
-    }
-
-    void place_rows(std::span<const uint32_t> children, Chunk& chunk, std::vector<uint32_t>& point_of_child,
-                    Array<uint32_t>& indices) const {
-        const uint32_t* from = chunk.indices.data();
-        for (size_t i = 0; i < children.size(); ++i) {
-            Pattern& pattern = chunk.patterns[chunk.pattern_of_row[i]];
-            const PointRun& run = table_.point_runs[pattern.run];
-            const uint32_t row = pattern.next_row++;
-            point_of_child[children[i]] = run.first_point + row;
-            std::copy_n(from, run.entry_count,
-                        indices.begin() + run.first_index + size_t{row} * run.entry_count);
-            from += run.entry_count;
-        }
-    }
-
-    const Topology& base_;
-    bool linear_;
-    const Array<uint32_t>& control_indices_;
-    BasicPatchTable<Real>& table_;
 };
 
 }  // namespace
 
 template <class Real>
-Result<void> build_refined_points(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
-                                  std::vector<uint32_t>& point_of_child, BasicPatchTable<Real>& table,
-                                  const BuildPart& part) {
-    return PointBuilder<Real>(base, linear, control_indices, table).build(point_of_child, part);
+void make_point_rows(const Topology& base, bool linear, const Array<uint32_t>& control_indices,
+                     const std::vector<uint32_t>& uses, RefinedPoints<Real>& points, const BuildPart& part) {
+    const RowMaker<Real> maker{base, linear ? Interpolation::varying : Interpolation::vertex,
+                               control_indices};
+    for_each_index(
+        points.block_count(), part,
+        [&](uint32_t b) {
+            const uint32_t first = points.first_children[b];
+            std::vector<uint32_t> children;
+            for (uint32_t child = first; child < points.first_children[b + 1]; ++child)
+                if (uses[child] != 0) children.push_back(child - first);
+            if (points.blocks[b] != nullptr && points.blocks[b]->children == children) return;
+            points.blocks[b] = std::make_shared<PointBlock<Real>>(maker.make(first, std::move(children)));
+        },
+        1);
+}
+
+template <class Real>
+Result<void> place_points(RefinedPoints<Real>& points, const BuildPart& part) {
+    points.refined_count = 0;
+    points.index_count = 0;
+    points.runs = {};
+    points.places.assign(points.blocks.size(), {});
+    // Runs in the order in which rows need them; first_point is, until those have places, the run.
+    for_each_in_order(
+        points.block_count(), part.part(0, 0.8f),
+        [&](uint32_t b) {
+            const PointBlock<Real>& block = *points.blocks[b];
+            points.refined_count += static_cast<uint32_t>(block.children.size());
+            for (const auto& pattern : block.patterns) {
+                const uint32_t run =
+                    points.runs.add(pattern.hash, weights_of(block, pattern), pattern.row_count);
+                points.places[b].push_back({run, points.runs.runs()[run].row_count - pattern.row_count});
+                points.index_count += uint64_t{pattern.row_count} * pattern.entry_count;
+            }
+        },
+        16);
+    if (points.index_count > kInvalidIndex)
+        return Error{ErrorCode::too_large, "points of level 1 are made of 2^32 control points or more"};
+    points.first_refined = first_refined_point(points.control_count, points.refined_count);
+    points.runs.place(points.first_refined);
+    for (auto& places : points.places)
+        for (auto& place : places) {
+            const PointRun& run = points.runs.runs()[place.first_point];
+            const uint32_t row = place.first_index;
+            place = {run.first_point + row, run.first_index + row * run.entry_count};
+        }
+    return {};
+}
+
+namespace {
+
+/// Points of a block's rows, and what they are made of.
+template <class Real>
+void write_block(const PointBlock<Real>& block,
+                 std::vector<typename RefinedPoints<Real>::PatternPlace> places, uint32_t* point_of_child,
+                 uint32_t* indices) {
+    const uint32_t* from = block.indices.data();
+    for (size_t i = 0; i < block.children.size(); ++i) {
+        const uint32_t pattern = block.pattern_of_row[i], entries = block.patterns[pattern].entry_count;
+        auto& place = places[pattern];
+        point_of_child[block.children[i]] = place.first_point++;
+        std::copy_n(from, entries, indices + place.first_index);
+        place.first_index += entries;
+        from += entries;
+    }
+}
+
+}  // namespace
+
+Array<uint32_t> take_indices(IndexList& list, size_t size, bool& kept) {
+    Array<uint32_t> words;
+    if (!list.narrow) words = std::move(list.words);
+    kept = words.reuse(size) && kept;
+    return words;
+}
+
+template <class Real>
+void write_points(RefinedPoints<Real>& points, const RefinedPoints<Real>* before,
+                  BasicPatchTable<Real>& table, const BuildPart& part) {
+    table.first_refined = points.first_refined;
+    table.refined_count = points.refined_count;
+    points.runs.write(table);
+    bool kept =
+        before != nullptr && before->first_children == points.first_children && !table.point_indices.narrow;
+    Array<uint32_t> indices = take_indices(table.point_indices, points.index_count, kept);
+    if (kept)
+        points.point_of_child = before->point_of_child;
+    else
+        points.point_of_child.assign(points.first_children.back(), kInvalidIndex);
+    for_each_index(
+        points.block_count(), part.part(0, 0.9f),
+        [&](uint32_t b) {
+            if (kept && points.blocks[b] == before->blocks[b] && points.places[b] == before->places[b])
+                return;
+            uint32_t* const to = points.point_of_child.data() + points.first_children[b];
+            if (kept)
+                std::fill(to, points.point_of_child.data() + points.first_children[b + 1], kInvalidIndex);
+            write_block(*points.blocks[b], points.places[b], to, indices.data());
+        },
+        4);
+    table.point_indices = pack_indices(std::move(indices), points.control_count, part.part(0.9f, 1));
 }
 
 template <class Real>
@@ -253,10 +301,16 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
     return out;
 }
 
-template Result<void> build_refined_points<float>(const Topology&, bool, const Array<uint32_t>&,
-                                                  std::vector<uint32_t>&, PatchTable&, const BuildPart&);
-template Result<void> build_refined_points<double>(const Topology&, bool, const Array<uint32_t>&,
-                                                   std::vector<uint32_t>&, PatchTableDouble&, const BuildPart&);
+template void make_point_rows<float>(const Topology&, bool, const Array<uint32_t>&,
+                                     const std::vector<uint32_t>&, RefinedPoints<float>&, const BuildPart&);
+template void make_point_rows<double>(const Topology&, bool, const Array<uint32_t>&,
+                                      const std::vector<uint32_t>&, RefinedPoints<double>&, const BuildPart&);
+template Result<void> place_points<float>(RefinedPoints<float>&, const BuildPart&);
+template Result<void> place_points<double>(RefinedPoints<double>&, const BuildPart&);
+template void write_points<float>(RefinedPoints<float>&, const RefinedPoints<float>*, PatchTable&,
+                                  const BuildPart&);
+template void write_points<double>(RefinedPoints<double>&, const RefinedPoints<double>*, PatchTableDouble&,
+                                   const BuildPart&);
 template StencilTable build_point_table<float>(const PatchTable&);
 template StencilTableDouble build_point_table<double>(const PatchTableDouble&);
 

@@ -31,12 +31,13 @@ constexpr uint32_t kCorners = 4;  ///< numbers of corners that a ptex face takes
 struct Builder {
     const ControlMesh& mesh;
     const TessellationTableOptions& options;
-    Topology base;
+    const Topology& base;
     TessellationTable& out;
     uint32_t own_size = 4;                   ///< of faces that are one ptex face
     std::vector<uint32_t> first_ptex = {};   ///< of each face
     std::vector<uint32_t> first_sub = {};    ///< of each face's sub-face edges
     std::vector<uint8_t> halved = {};        ///< mesh edges beside faces that are split at their middle
+    std::vector<uint8_t> shared_rows = {};   ///< mesh edges whose two faces share a row
     std::vector<uint32_t> row_of_corner = {};  ///< mesh corner -> the row, or the first of two, of the edge there
     std::vector<uint32_t> rows = {}, row_copies = {}, sub_rows = {};
 
@@ -61,8 +62,7 @@ struct Builder {
         }
         return false;
     }
-    /// Whether the two faces of an edge share its row.
-    bool is_shared(uint32_t e) const {
+    bool find_shared(uint32_t e) const {
         const auto corners = base.corners_of_edge(e);
         if (corners.size() != 2 || !is_drawn_corner(corners[0]) || !is_drawn_corner(corners[1])) return false;
         if (base.face_vertices[corners[0]] == base.face_vertices[corners[1]]) return false;  // wound differently
@@ -84,11 +84,14 @@ struct Builder {
                              [&](uint32_t e) { return is_infinite(base.edge_sharpness[e]); }) <= 2;
     }
 
+    bool is_shared(uint32_t e) const { return shared_rows[e] != 0; }
+
     void count_faces(const BuildPart& part);
+    void share_rows(const BuildPart& part);
     void add_rows_of_edge(uint32_t e);
     void add_sub_rows(uint32_t face);
     uint32_t add_row(uint32_t rate_edge, uint32_t corner, bool along, bool is_halved);
-    void write_faces(Sets& corners, const BuildPart& part);
+    void write_sides(const BuildPart& part);
     void write_corners(Sets& corners, const BuildPart& part);
     void join_corners(Sets& corners, const BuildPart& part) const;
 };
@@ -109,6 +112,12 @@ void Builder::count_faces(const BuildPart& part) {
         if (is_drawn(f))
             for (const uint32_t e : base.edges_of_face(f)) halved[e] = 1;
     });
+}
+
+void Builder::share_rows(const BuildPart& part) {
+    shared_rows.resize(base.edge_count);
+    for_each_index(base.edge_count, part, [&](uint32_t e) { shared_rows[e] = find_shared(e); });
+    rows.reserve(size_t{out.rate_edge_count} * shared::kTessRowWords);  // or somewhat more of them
 }
 
 /// Adds one row, or two halves, of the edge that begins at `corner` of its face, from its beginning there or
@@ -209,9 +218,10 @@ void Builder::join_corners(Sets& corners, const BuildPart& part) const {
     });
 }
 
-void Builder::write_faces(Sets& corners, const BuildPart& part) {
+/// What faces are, but for their corners.
+void Builder::write_sides(const BuildPart& part) {
     out.faces.assign(size_t{out.face_count} * shared::kTessFaceWords, shared::kNoSide);
-    for_each_in_order(base.face_count, part, [&](uint32_t f) {
+    for_each_index(base.face_count, part, [&](uint32_t f) {
         if (!is_drawn(f)) return;
         const uint32_t n = base.size_of_face(f), begin = base.face_begin(f);
         const auto side = [&](uint32_t j) {  // of edge j, whole
@@ -237,7 +247,6 @@ void Builder::write_faces(Sets& corners, const BuildPart& part) {
             } else {
                 for (uint32_t j = 0; j < n; ++j) words[j] = side(j);
             }
-            for (uint32_t k = 0; k < own_size; ++k) words[4 + k] = corners.find(kCorners * (first_ptex[f] + q) + k);
         }
     });
 }
@@ -304,41 +313,58 @@ void Builder::write_corners(Sets& corners, const BuildPart& part) {
     out.row_count = static_cast<uint32_t>(rows.size() / shared::kTessRowWords);
 }
 
-}  // namespace
-
-Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
-                                                   const TessellationTableOptions& options) {
+Result<void> check(const ControlMesh& mesh, const TessellationTableOptions& options) {
     for (const uint32_t channel : options.channels)
         if (channel >= mesh.channels.size())
             return Error{ErrorCode::index_out_of_range,
                          "channel " + std::to_string(channel) + " of " + std::to_string(mesh.channels.size()),
                          channel};
+    if (mesh.face_vertices.size() >= size_t{1} << 28)
+        return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
+    return {};
+}
+
+}  // namespace
+
+Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, const Topology& base,
+                                                   const TessellationTableOptions& options) {
+    if (auto ok = check(mesh, options); !ok) return ok.error();
     const BuildPart& part = options.control;
     if (auto ok = part.start(); !ok) return ok.error();
     TessellationTable out;
-    if (mesh.face_vertices.size() >= size_t{1} << 28)
-        return Error{ErrorCode::too_large, "a tessellation of 2^28 corners or more"};
-    Builder b{mesh, options, build_topology(mesh, part.part(0, 0.35f)), out};
-    if (auto ok = part.check(); !ok) return ok.error();
-    out.options = b.base.options;
-    b.count_faces(part.part(0.35f, 0.4f));
+    Builder b{mesh, options, base, out};
+    out.options = base.options;
+    b.count_faces(part.part(0, 0.05f));
+    b.share_rows(part.part(0.05f, 0.1f));
     if (auto ok = part.check(); !ok) return ok.error();
     out.rate_edges.allocate(size_t{out.rate_edge_count} * shared::kRateEdgeWords);
-    b.row_of_corner.assign(b.base.corner_count(), kInvalidIndex);
-    b.sub_rows.assign(out.rate_edge_count - b.base.edge_count, kInvalidIndex);
-    for_each_in_order(b.base.edge_count, part.part(0.4f, 0.55f), [&](uint32_t e) { b.add_rows_of_edge(e); });
-    for_each_in_order(b.base.face_count, part.part(0.55f, 0.6f), [&](uint32_t f) {
+    b.row_of_corner.assign(base.corner_count(), kInvalidIndex);
+    b.sub_rows.assign(out.rate_edge_count - base.edge_count, kInvalidIndex);
+    for_each_in_order(base.edge_count, part.part(0.1f, 0.3f), [&](uint32_t e) { b.add_rows_of_edge(e); });
+    for_each_in_order(base.face_count, part.part(0.3f, 0.4f), [&](uint32_t f) {
         if (b.is_split(f)) b.add_sub_rows(f);
     });
     if (auto ok = part.check(); !ok) return ok.error();
     Sets corners(size_t{out.face_count} * kCorners);
-    b.join_corners(corners, part.part(0.6f, 0.7f));
+    b.join_corners(corners, part.part(0.4f, 0.6f));
     if (auto ok = part.check(); !ok) return ok.error();
-    b.write_faces(corners, part.part(0.7f, 0.8f));
+    b.write_sides(part.part(0.6f, 0.7f));
     if (auto ok = part.check(); !ok) return ok.error();
-    b.write_corners(corners, part.part(0.8f, 0.98f));
+    b.write_corners(corners, part.part(0.7f, 0.98f));
     if (auto ok = part.reach(1); !ok) return ok.error();
     return out;
+}
+
+Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
+                                                   const TessellationTableOptions& options) {
+    constexpr float kTopologyEnd = 0.35f;  // of progress
+    if (auto ok = check(mesh, options); !ok) return ok.error();
+    if (auto ok = options.control.start(); !ok) return ok.error();
+    const Topology base = build_topology(mesh, options.control.part(0, kTopologyEnd));
+    if (auto ok = options.control.check(); !ok) return ok.error();
+    TessellationTableOptions rest = options;
+    rest.control = options.control.part(kTopologyEnd, 1);
+    return build_tessellation_table(mesh, base, rest);
 }
 
 }  // namespace limn

@@ -7,6 +7,7 @@
 #include "limn/control_mesh.h"
 #include "limn/patch_table.h"
 #include "limn/shared/tess_layout.h"
+#include "limn/topology.h"
 
 namespace limn {
 
@@ -58,6 +59,9 @@ struct TessellationTableOptions {
 
 /// Errors: index_out_of_range (a channel), too_large (2^28 ptex faces or more), cancelled.
 Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
+                                                   const TessellationTableOptions& options);
+/// The same where build_topology(mesh) is at hand.
+Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, const Topology& base,
                                                    const TessellationTableOptions& options);
 
 }  // namespace limn

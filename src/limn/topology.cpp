@@ -111,6 +111,15 @@ bool order_star(Topology& t, uint32_t v, std::vector<uint32_t>& corners, std::ve
     return true;
 }
 
+void hide_boundary_faces(Topology& t, const BuildPart& part) {
+    for_each_in_order(t.vertex_count, part, [&](uint32_t v) {
+        if (!hides_faces(t, v, [&](uint32_t e) { return t.edge_sharpness[e]; })) return;
+        for (const uint32_t c : t.corners_of_vertex(v)) t.face_holes[t.face_of_corner(c)] = 1;
+    });
+}
+
+}  // namespace
+
 uint32_t find_edge(const Topology& t, uint32_t a, uint32_t b) {
     if (t.edges_of_vertex(b).size() < t.edges_of_vertex(a).size()) std::swap(a, b);
     for (const uint32_t e : t.edges_of_vertex(a)) {
@@ -120,23 +129,6 @@ uint32_t find_edge(const Topology& t, uint32_t a, uint32_t b) {
     return kInvalidIndex;
 }
 
-float clamp_sharpness(float sharpness) {
-    return std::min(sharpness, kInfiniteSharpness);
-}
-
-/// With no boundary interpolation, faces that touch a boundary edge which is not infinitely sharp are holes.
-void hide_boundary_faces(Topology& t, const BuildPart& part) {
-    for_each_in_order(t.vertex_count, part, [&](uint32_t v) {
-        const auto edges = t.edges_of_vertex(v);
-        const bool hide = std::any_of(edges.begin(), edges.end(), [&](uint32_t e) {
-            return t.corners_of_edge(e).size() == 1 && !is_infinite(t.edge_sharpness[e]);
-        });
-        if (!hide) return;
-        for (const uint32_t c : t.corners_of_vertex(v)) t.face_holes[t.face_of_corner(c)] = 1;
-    });
-}
-
-/// Sharpness and rule of one vertex, once edges are sharpened.
 void sharpen_vertex(Topology& t, uint32_t v, const Array<uint8_t>& non_manifold_edges) {
     uint32_t sharp = 0, boundary = 0, non_manifold = 0;
     const auto edges = t.edges_of_vertex(v);
@@ -168,15 +160,16 @@ void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>
     for (size_t i = 0; i < mesh.corner_vertices.size(); ++i)
         t.vertex_sharpness[mesh.corner_vertices[i]] = clamp_sharpness(mesh.corner_sharpness[i]);
     for (const uint32_t f : mesh.holes) t.face_holes[f] = 1;
-    if (t.options.boundary == BoundaryInterpolation::none && t.options.scheme != Scheme::bilinear)
-        hide_boundary_faces(t, part.part(0.3f, 0.4f));
+    if (hides_boundary_faces(t.options)) hide_boundary_faces(t, part.part(0.3f, 0.4f));
     for_each_index(t.edge_count, part.part(0.4f, 0.6f), [&](uint32_t e) {
-        if (t.corners_of_edge(e).size() < 2 || non_manifold_edges[e] != 0)
-            t.edge_sharpness[e] = kInfiniteSharpness;
+        if (is_always_infinite(t, e, non_manifold_edges)) t.edge_sharpness[e] = kInfiniteSharpness;
     });
-    for_each_index(t.vertex_count, part.part(0.6f, 1),
+    for_each_index(t.vertex_count, part.part(0.6f, 0.9f),
                    [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
+    build_half_edge_sharpness(t, part.part(0.95f, 1));
 }
+
+namespace {
 
 /// Edges and stars of whatever faces there are.
 void build_any_incidence(Topology& t, Array<uint8_t>& non_manifold_edges, const BuildPart& part) {
@@ -235,10 +228,8 @@ void build_half_edge_sharpness(Topology& t, const BuildPart& part) {
     if (t.options.creasing != CreasingMethod::chaikin) return;
     Array<SemiSharpEdges> around;
     around.allocate(t.vertex_count);
-    for_each_index(t.vertex_count, part.part(0, 0.5f), [&](uint32_t v) {
-        around[v] = {};
-        for (const uint32_t e : t.edges_of_vertex(v)) around[v].add(t.edge_sharpness[e]);
-    });
+    for_each_index(t.vertex_count, part.part(0, 0.5f),
+                   [&](uint32_t v) { around[v] = semi_sharp_edges_around(t, v); });
     t.half_edge_sharpness.allocate(size_t{2} * t.edge_count);
     for_each_index(2 * t.edge_count, part.part(0.5f, 1), [&](uint32_t i) {
         t.half_edge_sharpness[i] =
@@ -246,20 +237,25 @@ void build_half_edge_sharpness(Topology& t, const BuildPart& part) {
     });
 }
 
-Topology build_topology(const ControlMesh& mesh, const BuildPart& part) {
+Topology build_connectivity(const ControlMesh& mesh, Array<uint8_t>& non_manifold_edges, const BuildPart& part) {
     Topology t;
     t.options = mesh.options;
     copy_faces(mesh, t, part.part(0, 0.05f));
-    Array<uint8_t> non_manifold_edges;
-    if (build_manifold_incidence(t, part.part(0.05f, 0.85f))) {
+    if (build_manifold_incidence(t, part.part(0.05f, 0.95f))) {
         t.vertex_manifold.allocate(t.vertex_count);
-        for_each_index(t.vertex_count, part.part(0.85f, 0.85f), [&](uint32_t v) { t.vertex_manifold[v] = !t.corners_of_vertex(v).empty(); });
+        for_each_index(t.vertex_count, part.part(0.95f, 1),
+                       [&](uint32_t v) { t.vertex_manifold[v] = !t.corners_of_vertex(v).empty(); });
         non_manifold_edges.assign(t.edge_count, 0);
     } else {
-        build_any_incidence(t, non_manifold_edges, part.part(0.05f, 0.85f));
+        build_any_incidence(t, non_manifold_edges, part.part(0.05f, 1));
     }
-    assign_sharpness(mesh, t, non_manifold_edges, part.part(0.85f, 0.95f));
-    build_half_edge_sharpness(t, part.part(0.95f, 1));
+    return t;
+}
+
+Topology build_topology(const ControlMesh& mesh, const BuildPart& part) {
+    Array<uint8_t> non_manifold_edges;
+    Topology t = build_connectivity(mesh, non_manifold_edges, part.part(0, 0.85f));
+    assign_sharpness(mesh, t, non_manifold_edges, part.part(0.85f, 1));
     return t;
 }
 

@@ -47,6 +47,50 @@ bool build_manifold_incidence(Topology& t, const BuildPart& part = {});
 /// fails.
 void order_stars(Topology& t, const BuildPart& part = {});
 
+/// build_topology in two steps. Faces, edges and stars; `non_manifold_edges` receives, for each edge, 1 where
+/// it joins more than two faces, faces of opposite winding, or nothing.
+Topology build_connectivity(const ControlMesh& mesh, Array<uint8_t>& non_manifold_edges,
+                            const BuildPart& part = {});
+/// And what sharpness and holes make of them.
+void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>& non_manifold_edges,
+                      const BuildPart& part = {});
+
+/// The edge between two vertices, or kInvalidIndex.
+uint32_t find_edge(const Topology& t, uint32_t a, uint32_t b);
+
+inline float clamp_sharpness(float sharpness) {
+    return std::min(sharpness, kInfiniteSharpness);
+}
+
+/// Whatever sharpness the mesh gives it.
+inline bool is_always_infinite(const Topology& t, uint32_t e, const Array<uint8_t>& non_manifold_edges) {
+    return t.corners_of_edge(e).size() < 2 || non_manifold_edges[e] != 0;
+}
+
+/// Sharpness and rule of one vertex, whose sharpness is that of the mesh; once edges are sharpened.
+void sharpen_vertex(Topology& t, uint32_t v, const Array<uint8_t>& non_manifold_edges);
+
+/// With no boundary interpolation, faces that touch a boundary edge which the mesh does not make infinitely
+/// sharp are holes.
+inline bool hides_boundary_faces(const SchemeOptions& options) {
+    return options.boundary == BoundaryInterpolation::none && options.scheme != Scheme::bilinear;
+}
+/// Whether vertex v makes the faces around it holes then; `sharpness_of(e)` is the mesh's.
+template <class SharpnessOf>
+bool hides_faces(const Topology& t, uint32_t v, const SharpnessOf& sharpness_of) {
+    const auto edges = t.edges_of_vertex(v);
+    return std::any_of(edges.begin(), edges.end(), [&](uint32_t e) {
+        return t.corners_of_edge(e).size() == 1 && !is_infinite(sharpness_of(e));
+    });
+}
+
+/// What Chaikin creasing looks at.
+inline SemiSharpEdges semi_sharp_edges_around(const Topology& t, uint32_t v) {
+    SemiSharpEdges around;
+    for (const uint32_t e : t.edges_of_vertex(v)) around.add(t.edge_sharpness[e]);
+    return around;
+}
+
 /// The rules that the children of a vertex and of an edge have in the next level.
 VertexRule child_rule_of_vertex(const Topology& parent, uint32_t v);
 VertexRule child_rule_of_edge(const Topology& parent, uint32_t e);
