@@ -19,6 +19,8 @@ set(test_files
     tests/patch_table_test.cpp
     tests/batch_test.cpp
     tests/batch_list_test.cpp
+    tests/slot_ranges_test.cpp
+    tests/crowd_test.cpp
     tests/skinning_test.cpp
     tests/tess_pattern_test.cpp
     tests/tessellate_test.cpp

@@ -50,6 +50,7 @@ struct DeviceGridTable {
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
     bool relative = false;
+    bool changes = false;  ///< tile_count of batches does, as in crowds: evaluations look when they are recorded
     std::vector<GridBatch> batches;
     uint64_t total_sample_count = 0;
     Buffer words;

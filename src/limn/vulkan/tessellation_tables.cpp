@@ -5,18 +5,6 @@
 namespace limn::vk {
 namespace {
 
-/// Their count, the first face of each, and the end of the last.
-Array<uint32_t> list_instances(const TessellationTable& table) {
-    const uint32_t count = table.instance_count();
-    Array<uint32_t> words;
-    words.allocate(size_t{count} + 2);
-    words[0] = count;
-    words[1] = 0;
-    words[count + 1] = table.face_count;
-    std::copy(table.instance_faces.begin(), table.instance_faces.end(), words.begin() + 1);
-    return words;
-}
-
 /// Words that are not a table's own.
 struct MadeWords {
     Array<uint32_t> copies, instances;
