@@ -16,6 +16,7 @@ namespace limn::bench {
     X(edit,         "a crease gets another sharpness: from there to the first frame") \
     X(load,         "a file, OBJ or baked, to its first frame: opened, built, uploaded, tessellated") \
     X(crowd,        "a thousand different meshes in one batch, beside one mesh as large") \
+    X(crowd_change, "one mesh of a thousand goes and another comes: tables, upload, and a frame after many changes") \
     X(scaling,      "time per face from a thousand faces to four million")
 // clang-format on
 

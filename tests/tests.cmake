@@ -45,6 +45,7 @@ set(vulkan_test_files
     tests/vulkan/tessellator_test.cpp
     tests/vulkan/displacement_test.cpp
     tests/vulkan/batch_test.cpp
+    tests/vulkan/crowd_test.cpp
     tests/vulkan/instances_test.cpp
     tests/vulkan/skinning_test.cpp
     tests/vulkan/baked_test.cpp

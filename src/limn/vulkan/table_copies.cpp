@@ -46,7 +46,7 @@ Result<void> TableCopies::record(const Device& device, VkCommandBuffer command_b
     std::vector<Buffer> made(targets_.size());
     for (size_t t = 0; t < targets_.size(); ++t) {
         if (targets_[t].new_bytes == 0) continue;
-        auto buffer = create_buffer(device, targets_[t].new_bytes, kTableUsage, MemoryUse::device);
+        auto buffer = create_buffer(device, targets_[t].new_bytes, kPointUsage, MemoryUse::device);
         if (!buffer) return buffer.error();
         made[t] = std::move(*buffer);
     }

@@ -5,9 +5,6 @@
 
 namespace limn::vk {
 
-/// What the buffers of tables are created with.
-inline constexpr VkBufferUsageFlags kTableUsage = kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-
 /// A recorded update of tables, which stay where they are.
 ///
 /// Barriers. The commands begin with one from kKernelReads to kCopyWrites, so that what was submitted to the
