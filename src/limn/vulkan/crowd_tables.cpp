@@ -14,9 +14,8 @@ struct Place {
     uint32_t* offset;
 };
 
-/// Arrays of a buffer, each behind the one before it.
+/// Arrays of a buffer, each behind the one before it, and the words that they take.
 struct PlacedBuffer {
-    Buffer* buffer;
     std::vector<Place> places;
     uint64_t words = 0;
 };
@@ -29,19 +28,16 @@ struct CrowdOffsets {
 };
 
 /// Offsets are those that the crowd's capacities lead to. Errors: too_large.
-Result<std::vector<PlacedBuffer>> place_arrays(const Crowd::State& state, DeviceCrowd& table,
-                                               CrowdOffsets& at) {
+Result<std::vector<PlacedBuffer>> place_arrays(const Crowd::State& state, CrowdOffsets& at) {
     std::vector<PlacedBuffer> buffers = {
-        {&table.patches.words,
-         {{kPtexArray, &at.patches.ptex_surfaces},
+        {{{kPtexArray, &at.patches.ptex_surfaces},
           {kSurfaceArray, &at.patches.surfaces},
           {kRingArray, &at.patches.ring_points},
           {kPlanArray, &at.patches.plans},
           {kPlanNodeArray, &at.patches.plan_nodes},
           {kPlanPointArray, &at.patches.plan_points},
           {kPlanWeightArray, &at.patches.plan_weights}}},
-        {&table.topology.words,
-         {{kPtexArray, &at.trees.ptex_surfaces},
+        {{{kPtexArray, &at.trees.ptex_surfaces},
           {kTreeSurfaceArray, &at.trees.surfaces},
           {kTreeNodeArray, &at.trees.nodes},
           {kLeafArray, &at.trees.leaf_points},
@@ -52,9 +48,9 @@ Result<std::vector<PlacedBuffer>> place_arrays(const Crowd::State& state, Device
           {kCornerCopyArray, &at.topology.copies},
           {kRowCopyArray, &at.row_copies},
           {kInstanceArray, &at.instances}}},
-        {&table.patches.points.data, {{kPointArray, &at.only}}},
-        {&table.topology.vertices.local_points.words, {{kTileArray, &at.only}}},
-        {&table.topology.vertices.local_points.weights, {{kWeightArray, &at.only}}}};
+        {{{kPointArray, &at.only}}},
+        {{{kTileArray, &at.only}}},
+        {{{kWeightArray, &at.only}}}};
     for (PlacedBuffer& b : buffers) {
         for (const Place& place : b.places) {
             *place.offset = static_cast<uint32_t>(b.words);
@@ -69,7 +65,7 @@ Result<std::vector<PlacedBuffer>> place_arrays(const Crowd::State& state, Device
 void plan(const Crowd::State& state, const std::vector<PlacedBuffer>& buffers, bool all,
           TableCopies& copies) {
     for (const PlacedBuffer& b : buffers) {
-        const uint32_t target = copies.add_target(*b.buffer, all ? 4 * b.words : 0);
+        const uint32_t target = copies.add_target(all ? 4 * b.words : 0);
         for (const Place& place : b.places) {
             const Crowd::State::Words words = state.words(place.array);
             const std::span bytes(static_cast<const std::byte*>(words.data), 4 * words.count);
@@ -160,24 +156,28 @@ Result<TableUpdate> record_crowd_update(const Device& device, VkCommandBuffer co
     const Crowd::State& state = crowd.state();
     TableUpdate update;
     CrowdOffsets offsets;
-    const auto buffers = place_arrays(state, table, offsets);
+    const auto buffers = place_arrays(state, offsets);
     if (!buffers) return buffers.error();
     const bool all = table.layout != crowd.layout();
     update.prepare_again = all || table.patches.points.runs.size() != state.points.pools().size() ||
                            table.topology.vertices.local_points.batches.size() != state.tiles.pools().size();
     TableCopies copies;
     plan(state, *buffers, all, copies);
-    if (auto recorded = copies.record(device, command_buffer, update); !recorded) return recorded.error();
+    DeviceGridTable& local_points = table.topology.vertices.local_points;
+    Buffer* const targets[] = {&table.patches.words, &table.topology.words, &table.patches.points.data, &local_points.words,
+                               &local_points.weights};
+    if (auto recorded = copies.record(device, command_buffer, targets, update); !recorded) return recorded.error();
+    const uint32_t max_ring_size = table.patches.max_ring_size;
     describe(state, offsets, table);
+    update.prepare_again |= table.patches.max_ring_size != max_ring_size;  // evaluations of samples have room for that
     table.layout = crowd.layout();
     return update;
 }
 
 Result<MemoryNeed> crowd_update_memory(const Device& device, const Crowd& crowd, const DeviceCrowd& table) {
     const Crowd::State& state = crowd.state();
-    DeviceCrowd none;  // for nothing but numbers
     CrowdOffsets offsets;
-    const auto buffers = place_arrays(state, none, offsets);
+    const auto buffers = place_arrays(state, offsets);
     if (!buffers) return buffers.error();
     TableCopies copies;
     plan(state, *buffers, table.layout != crowd.layout(), copies);

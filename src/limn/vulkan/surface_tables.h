@@ -40,6 +40,8 @@ struct GridBatch {
     uint32_t tile_base;      ///< words
     uint32_t tile_count;
     bool by_rows = false;
+
+    bool operator==(const GridBatch&) const = default;
 };
 
 /// A grid table as kernels read it: limn/shared/grid_eval_params.h. It samples one DevicePatchTable.

@@ -35,18 +35,19 @@ bool TableCopies::is_staged(const Device& device, const Piece& piece) const {
 
 MemoryNeed TableCopies::memory(const Device& device) const {
     MemoryNeed need;
-    for (const Target& target : targets_)
-        if (target.new_bytes != 0) need += {target.new_bytes, 0, 1};
+    for (const VkDeviceSize bytes : new_bytes_)
+        if (bytes != 0) need += {bytes, 0, 1};
     for (const Piece& piece : pieces_)
         if (is_staged(device, piece)) need.staging_bytes += piece.bytes.size();
     return need;
 }
 
-Result<void> TableCopies::record(const Device& device, VkCommandBuffer command_buffer, TableUpdate& update) {
-    std::vector<Buffer> made(targets_.size());
-    for (size_t t = 0; t < targets_.size(); ++t) {
-        if (targets_[t].new_bytes == 0) continue;
-        auto buffer = create_buffer(device, targets_[t].new_bytes, kPointUsage, MemoryUse::device);
+Result<void> TableCopies::record(const Device& device, VkCommandBuffer command_buffer,
+                                 std::span<Buffer* const> targets, TableUpdate& update) {
+    std::vector<Buffer> made(targets.size());
+    for (size_t t = 0; t < targets.size(); ++t) {
+        if (new_bytes_[t] == 0) continue;
+        auto buffer = create_buffer(device, new_bytes_[t], kPointUsage, MemoryUse::device);
         if (!buffer) return buffer.error();
         made[t] = std::move(*buffer);
     }
@@ -61,7 +62,7 @@ Result<void> TableCopies::record(const Device& device, VkCommandBuffer command_b
         if (!created) return created.error();
         staging = std::move(*created);
     }
-    std::vector<std::vector<VkBufferCopy>> regions(targets_.size());
+    std::vector<std::vector<VkBufferCopy>> regions(targets.size());
     VkDeviceSize at = 0;
     for (const Piece& piece : pieces_) {
         const size_t size = piece.bytes.size();
@@ -76,14 +77,13 @@ Result<void> TableCopies::record(const Device& device, VkCommandBuffer command_b
         at += size;
     }
     if (staged != 0) record_barrier(device, command_buffer, kKernelReads, kCopyWrites);
-    for (size_t t = 0; t < targets_.size(); ++t) {
-        Target& target = targets_[t];
-        if (target.new_bytes != 0) {
-            std::swap(*target.buffer, made[t]);
+    for (size_t t = 0; t < targets.size(); ++t) {
+        if (new_bytes_[t] != 0) {
+            std::swap(*targets[t], made[t]);
             if (made[t].handle != VK_NULL_HANDLE) update.replaced.push_back(std::move(made[t]));
         }
         if (!regions[t].empty())
-            device.functions.CmdCopyBuffer(command_buffer, staging.handle, target.buffer->handle,
+            device.functions.CmdCopyBuffer(command_buffer, staging.handle, targets[t]->handle,
                                            static_cast<uint32_t>(regions[t].size()), regions[t].data());
     }
     if (staged != 0) {

@@ -2,6 +2,7 @@
 // the public interface.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include "limn/batch.h"
@@ -13,13 +14,17 @@ namespace limn::vk {
 /// old buffers of the targets go. Whatever is pointed to outlives the plan.
 class TableCopies {
   public:
-    /// A buffer by the number that it gets. One that is to be replaced takes new_bytes, and holds nothing
-    /// yet; else 0.
-    uint32_t add_target(Buffer& buffer, VkDeviceSize new_bytes) {
-        targets_.push_back({&buffer, new_bytes == 0 ? 0 : std::max<VkDeviceSize>(new_bytes, 16)});
-        return static_cast<uint32_t>(targets_.size() - 1);
+    /// A buffer by the number that it gets: one of new_bytes that takes the place of the one there is, or,
+    /// with 0, that one.
+    uint32_t add_target(VkDeviceSize new_bytes) {
+        new_bytes_.push_back(new_bytes == 0 ? 0 : std::max<VkDeviceSize>(new_bytes, 16));
+        return static_cast<uint32_t>(new_bytes_.size() - 1);
     }
-    bool is_new(uint32_t target) const { return targets_[target].new_bytes != 0; }
+    bool is_new(uint32_t target) const { return new_bytes_[target] != 0; }
+    bool replaces_any() const {
+        return std::any_of(new_bytes_.begin(), new_bytes_.end(),
+                           [](VkDeviceSize bytes) { return bytes != 0; });
+    }
     void add(uint32_t target, VkDeviceSize offset_bytes, std::span<const std::byte> bytes) {
         if (!bytes.empty()) pieces_.push_back({target, offset_bytes, bytes});
     }
@@ -28,14 +33,12 @@ class TableCopies {
                          std::span<const std::byte> after);
 
     MemoryNeed memory(const Device& device) const;
-    /// Errors: out_of_memory, vulkan_failure; all is then as it was.
-    Result<void> record(const Device& device, VkCommandBuffer command_buffer, TableUpdate& update);
+    /// `targets`: the buffers, in the order of their numbers. Errors: out_of_memory, vulkan_failure; all is
+    /// then as it was.
+    Result<void> record(const Device& device, VkCommandBuffer command_buffer,
+                        std::span<Buffer* const> targets, TableUpdate& update);
 
   private:
-    struct Target {
-        Buffer* buffer;
-        VkDeviceSize new_bytes;
-    };
     struct Piece {
         uint32_t target;
         VkDeviceSize offset_bytes;
@@ -43,7 +46,7 @@ class TableCopies {
     };
     bool is_staged(const Device& device, const Piece& piece) const;
 
-    std::vector<Target> targets_;
+    std::vector<VkDeviceSize> new_bytes_;
     std::vector<Piece> pieces_;
 };
 
