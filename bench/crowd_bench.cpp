@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "limn/batch_list.h"
+#include "limn/batch.h"
 #include "limn/parallel.h"
 #include "limn/vulkan/surface_evaluator.h"
 #include "limn/vulkan/tessellator.h"
@@ -81,47 +81,6 @@ Row row_of(uint32_t count, const char* model, const char* task, const char* eval
             .unit = "faces"};
 }
 
-/// One mesh goes and one comes: tables merged again and their trees, those that are known kept; the same with trees grown
-/// afresh; and the upload of what was merged.
-void measure_change(const Bench& bench, const std::vector<PatchTable>& patches,
-                    const std::vector<TessellationTable>& topologies, Report& report) {
-    const Options& options = bench.options;
-    const auto count = static_cast<uint32_t>(patches.size());
-    constexpr PatchTreeOptions kTrees = {.max_rate = kTessellationRate};
-    BatchList list;
-    for (uint32_t i = 0; i < count; ++i)
-        value_or_fail(options, list.add_instance(list.add_mesh({&patches[i], &topologies[i]})));
-    uint32_t oldest = 0;
-    MergedBatch merged;
-    const auto change = [&] {
-        merged = {};
-        value_or_fail(options, list.remove_instance(oldest));
-        value_or_fail(options, list.add_instance(oldest++ % count));
-    };
-    const auto add_row = [&](const char* task, const char* evaluator, const Timing& timing) {
-        Row row = row_of(count, "crowd", task, evaluator);
-        row.timing = timing;
-        row.items = merged.topology.face_count;
-        row.note = std::to_string(merged.trees.tree_count) + " trees";
-        report.add(row);
-    };
-    const auto merge = [&] { return merged = value_or_fail(options, list.merge(kTrees)), true; };
-    add_row("change", "limn", measure(options, merge, change));
-    PatchTreeTable trees;
-    const auto grow = [&] { return trees = value_or_fail(options, build_patch_trees(merged.patches, kTrees)), true; };
-    const PatchTreeCache cache;
-    const auto reuse = [&] { return trees = value_or_fail(options, build_patch_trees(merged.patches, kTrees, cache)), true; };
-    const auto free_trees = [&] { trees = {}; };
-    add_row("trees", "limn_afresh", measure(options, grow, free_trees));
-    add_row("trees", "limn", measure(options, reuse, free_trees));
-    const auto upload = [&] {
-        value_or_fail(options, vk::upload_patch_table(bench.device, merged.patches));
-        value_or_fail(options, vk::upload_tessellation_table(bench.device, merged.topology, merged.trees));
-        return true;
-    };
-    add_row("upload", "limn", measure(options, upload));
-}
-
 /// Tables of all meshes, built in parallel by way of one cache, and merged.
 Surfaces merge_crowd(const Bench& bench, const std::vector<BenchModel>& models, Report& report) {
     const auto count = static_cast<uint32_t>(models.size());
@@ -169,7 +128,6 @@ Surfaces merge_crowd(const Bench& bench, const std::vector<BenchModel>& models, 
     merge_row.note = std::to_string(plans) + " plans become " + std::to_string(out.patches.plans.size());
     report.add(build_row);
     report.add(merge_row);
-    measure_change(bench, patches, topologies, report);
     return out;
 }
 

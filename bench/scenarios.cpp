@@ -17,6 +17,7 @@ namespace limn::bench {
     X(load,         "a file, OBJ or baked, to its first frame: opened, built, uploaded, tessellated") \
     X(crowd,        "a thousand different meshes in one batch, beside one mesh as large") \
     X(schemes,      "uniform refinement by every scheme, beside CGAL and OpenMesh") \
+    X(crowd_change, "one mesh of a thousand goes and another comes: tables, upload, and a frame after many changes") \
     X(scaling,      "time per face from a thousand faces to four million")
 // clang-format on
 

@@ -27,6 +27,8 @@ set(test_files
     tests/batch_test.cpp
     tests/batch_list_test.cpp
     tests/mesh_edit_test.cpp
+    tests/slot_ranges_test.cpp
+    tests/crowd_test.cpp
     tests/skinning_test.cpp
     tests/tess_pattern_test.cpp
     tests/tessellate_test.cpp
@@ -63,6 +65,8 @@ set(vulkan_test_files
     tests/vulkan/tessellator_test.cpp
     tests/vulkan/displacement_test.cpp
     tests/vulkan/batch_test.cpp
+    tests/vulkan/crowd_test.cpp
+    tests/vulkan/table_update_test.cpp
     tests/vulkan/instances_test.cpp
     tests/vulkan/skinning_test.cpp
     tests/vulkan/baked_test.cpp
@@ -251,10 +255,11 @@ function(limn_add_snippet name page source marker)
 endfunction()
 limn_add_snippet(readme README.md src/example/renderer.cpp readme)
 limn_add_snippet(integrating docs/integrating.md tests/docs/vma_allocator.cpp docs)
+limn_add_snippet(crowd docs/integrating.md tests/docs/crowd_frame.cpp docs)
 limn_add_snippet(migrating docs/migrating_from_opensubdiv.md tests/osd/osd_docs_test.cpp docs)
 set_tests_properties(layering PROPERTIES LABELS packaging)
 if(LIMN_BUILD_VULKAN)
-    add_library(docs_code OBJECT tests/docs/vma_allocator.cpp)
+    add_library(docs_code OBJECT tests/docs/vma_allocator.cpp tests/docs/crowd_frame.cpp)
     limn_set_compile_options(docs_code)
     target_link_libraries(docs_code PRIVATE limn_vulkan)
 endif()

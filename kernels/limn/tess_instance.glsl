@@ -3,10 +3,11 @@
 
 layout(std430, binding = kTessOutBinding) readonly buffer Instances { TessInstance instances[]; };
 
-// Of the table's instances (at: their count, then the first face of each and the end of the last), the last that begins at
-// or before the face: those without faces come before it.
+// Of the table's instances (at: their count, the first face of each and the end of the last, the number of each), the last that
+// begins at or before the face: those without faces come before it.
 uint instance_of(uint at, uint face) {
-    uint low = 0, high = WORD(at);
+    const uint count = WORD(at);
+    uint low = 0, high = count;
     while (high - low > 1) {
         const uint middle = (low + high) / 2;
         if (WORD(at + 1 + middle) <= face)
@@ -14,7 +15,7 @@ uint instance_of(uint at, uint face) {
         else
             high = middle;
     }
-    return low;
+    return WORD(at + 2 + count + low);
 }
 
 vec4 world_row(uint instance, uint i) {

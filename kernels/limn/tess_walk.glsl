@@ -16,6 +16,7 @@ void main() {
         const uint at = params.table.corners + kTessCornerWords * item;
         face = WORD(at);
         place = WORD(at + 1);
+        if (face == kNoFace) return;  // of a crowd: nobody's
     } else {
         if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
         const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);

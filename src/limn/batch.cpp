@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "limn/batch_copy.h"
 #include "limn/parallel.h"
 #include "limn/refined_points.h"
 
@@ -29,10 +30,6 @@ Error disagreement(size_t table, const char* what) {
 Error too_many(const char* what) {
     return Error{ErrorCode::too_large, std::string("a batch holds too many ") + what};
 }
-
-struct IdentityHash {
-    size_t operator()(const PlanIdentity& identity) const { return identity[0]; }
-};
 
 /// Entries [begin, begin + count) of a list, mapped, from entry `at` of another on. Of a narrow destination,
 /// whose words were zero, two entries share a word: for one thread.
@@ -84,7 +81,7 @@ struct PatchMerger {
     Result<void> check() const;
     Result<void> number();
     void number_plans(const BasicPatchTable<Real>& table,
-                      std::unordered_map<PlanIdentity, uint32_t, IdentityHash>& known);
+                      std::unordered_map<PlanIdentity, uint32_t, PlanIdentityHash>& known);
     void number_runs(const BasicPatchTable<Real>& table);
     Result<void> copy_plans();
     void copy_plan(uint32_t number);
@@ -107,15 +104,14 @@ Result<void> PatchMerger<Real>::check() const {
 template <class Real>
 Result<void> PatchMerger<Real>::number() {
     Numbers control, ptex, surfaces, refined, rings, indices;
-    std::unordered_map<PlanIdentity, uint32_t, IdentityHash> known;
+    std::unordered_map<PlanIdentity, uint32_t, PlanIdentityHash> known;
     for (const BasicPatchTable<Real>* table : tables) {
         out.meshes.push_back({control.take(table->control_count), ptex.take(table->ptex_surfaces.size()),
                               surfaces.take(table->surfaces.size())});
-        uint64_t ring_count = 0, index_count = 0;
-        for (const Surface& s : table->surfaces) ring_count += table->plans[s.plan()].ring_size;
+        uint64_t index_count = 0;
         for (const PointRun& run : table->point_runs)
             index_count += uint64_t{run.row_count} * run.entry_count;
-        const BatchRange ring = rings.take(ring_count);
+        const BatchRange ring = rings.take(ring_point_count(*table));
         indices.take(index_count);
         refined.take(table->refined_count);
         meshes.push_back({plan_numbers.size(), run_places.size(), ring.first, ring.count});
@@ -142,7 +138,7 @@ Result<void> PatchMerger<Real>::number() {
 
 template <class Real>
 void PatchMerger<Real>::number_plans(const BasicPatchTable<Real>& table,
-                                     std::unordered_map<PlanIdentity, uint32_t, IdentityHash>& known) {
+                                     std::unordered_map<PlanIdentity, uint32_t, PlanIdentityHash>& known) {
     const auto mesh = static_cast<uint32_t>(meshes.size() - 1);
     for (uint32_t p = 0; p < table.plans.size(); ++p) {
         const auto [at, is_new] =
@@ -161,12 +157,6 @@ void PatchMerger<Real>::number_runs(const BasicPatchTable<Real>& table) {
             runs.add(table.point_weights.data() + run.first_weight, run.entry_count, run.row_count);
         run_places.push_back({number, runs.runs()[number].row_count - run.row_count});
     }
-}
-
-/// The number past the last of plan p's nodes, points or weights, which `first` is the first of.
-template <class Real>
-uint32_t end_of(const BasicPatchTable<Real>& table, uint32_t p, uint32_t Plan::*first, size_t size) {
-    return p + 1 < table.plans.size() ? table.plans[p + 1].*first : static_cast<uint32_t>(size);
 }
 
 template <class Real>
@@ -213,10 +203,7 @@ void PatchMerger<Real>::copy_plan(uint32_t number) {
     const uint32_t* numbers = plan_numbers.data() + meshes[mesh].first_plan;
     const uint32_t end = end_of(from, p, &Plan::first_node, from.plan_nodes.size());
     for (uint32_t n = plan.first_node; n < end; ++n) {
-        PlanNode node = from.plan_nodes[n];
-        if (node.kind() == PlanNodeKind::plan)
-            node.word = shared::pack_node(shared::kNodePlan, numbers[node.plan()], node.rotation());
-        out.table.plan_nodes[copy.first_node + (n - plan.first_node)] = node;
+        out.table.plan_nodes[copy.first_node + (n - plan.first_node)] = moved_node(from.plan_nodes[n], numbers);
     }
 }
 
@@ -240,17 +227,7 @@ void PatchMerger<Real>::copy_mesh(uint32_t m) {
     }
     copy_indices(from.ring_points, 0, mesh.ring_count, to.ring_points, mesh.first_ring,
                  [&](uint32_t point) { return points[point]; });
-    const uint32_t* numbers = plan_numbers.data() + mesh.first_plan;
-    for (size_t i = 0; i < from.surfaces.size(); ++i) {
-        const Surface& s = from.surfaces[i];
-        to.surfaces[ranges.surfaces.first + i] = {shared::pack_surface(numbers[s.plan()], s.rotation()),
-                                                  s.first_ring + mesh.first_ring};
-    }
-    for (size_t f = 0; f < from.ptex_surfaces.size(); ++f) {
-        const uint32_t word = from.ptex_surfaces[f];
-        to.ptex_surfaces[ranges.ptex_faces.first + f] =
-            word == shared::kPtexHole ? word : word + ranges.surfaces.first;
-    }
+    copy_surfaces(from, plan_numbers.data() + mesh.first_plan, ranges, mesh.first_ring, to);
 }
 
 struct TessellationMerger {
@@ -260,7 +237,6 @@ struct TessellationMerger {
 
     Result<void> number();
     void number_instances();
-    void copy_mesh(uint32_t m);
 };
 
 void TessellationMerger::number_instances() {
@@ -307,50 +283,6 @@ Result<void> TessellationMerger::number() {
     return {};
 }
 
-void TessellationMerger::copy_mesh(uint32_t m) {
-    const TessellationTable& from = *tables[m];
-    TessellationTable& to = out.table;
-    const TessellationBatchMesh& mesh = out.meshes[m];
-    // Flags are above what is counted, and what stands for nothing is above all.
-    const auto moved = [](uint32_t word, uint32_t first) {
-        return word == kInvalidIndex ? word : word + first;
-    };
-    const auto moved_face = [&](uint32_t face) {
-        return face >= shared::kManyFaces ? face : face + mesh.ptex_faces.first;
-    };
-    const auto moved_edge = [&](uint32_t edge) {
-        return edge < from.mesh_edge_count ? edge + mesh.mesh_edges.first
-                                           : edge - from.mesh_edge_count + mesh.sub_face_edges.first;
-    };
-    uint32_t* word = to.faces.data() + size_t{mesh.ptex_faces.first} * shared::kTessFaceWords;
-    for (size_t i = 0; i < from.faces.size(); ++i)
-        *word++ = moved(from.faces[i], i % shared::kTessFaceWords < 4 ? mesh.rows.first : mesh.corners.first);
-    word = to.rows.data() + size_t{mesh.rows.first} * shared::kTessRowWords;
-    for (const uint32_t* row = from.rows.begin(); row != from.rows.end(); row += shared::kTessRowWords) {
-        *word++ = moved_edge(row[0]);
-        *word++ = moved_face(row[1]);
-        *word++ = row[2];
-        *word++ = moved(row[3], mesh.corners.first);
-    }
-    word = to.corners.data() + size_t{mesh.corners.first} * shared::kTessCornerWords;
-    for (const uint32_t* corner = from.corners.begin(); corner != from.corners.end();
-         corner += shared::kTessCornerWords) {
-        *word++ = moved_face(corner[0]);
-        *word++ = corner[1];
-    }
-    for (uint32_t e = 0; e < from.rate_edge_count; ++e) {
-        const uint32_t* edge = from.rate_edges.data() + size_t{e} * shared::kRateEdgeWords;
-        word = to.rate_edges.data() + size_t{moved_edge(e)} * shared::kRateEdgeWords;
-        word[0] = moved(edge[0], mesh.rows.first);
-        word[1] = moved_face(edge[1]);
-        word[2] = moved_face(edge[2]);
-    }
-    for (size_t i = 0; i < from.corner_copies.size(); ++i)
-        to.corner_copies[corner_copies[m].first + i] = from.corner_copies[i] + mesh.corners.first;
-    for (size_t i = 0; i < from.row_copies.size(); ++i)
-        to.row_copies[row_copies[m].first + i] = from.row_copies[i] + mesh.rows.first;
-}
-
 }  // namespace
 
 template <class Real>
@@ -375,7 +307,12 @@ Result<TessellationBatch> merge_tessellation_tables(std::span<const Tessellation
     if (!tables.empty()) merger.out.table.options = tables[0]->options;
     merger.number_instances();
     for_each_index(
-        static_cast<uint32_t>(tables.size()), [&](uint32_t m) { merger.copy_mesh(m); }, 1);
+        static_cast<uint32_t>(tables.size()),
+        [&](uint32_t m) {
+            copy_topology(*tables[m], merger.out.meshes[m], merger.corner_copies[m].first, merger.row_copies[m].first,
+                          merger.out.table);
+        },
+        1);
     return std::move(merger.out);
 }
 

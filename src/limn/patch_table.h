@@ -112,8 +112,8 @@ struct PointRun {
 };
 
 /// Points are the control points [0, control_count) and, from first_refined on, the vertices of level 1 that
-/// surfaces need: point_runs, whose points follow each other, say what they are made of. What lies between is
-/// not used: first_refined is a multiple of 64, so that devices can bind the two apart.
+/// surfaces need: point_runs, whose points follow each other (of crowds, crowd.h, with gaps), say what they are made of. What
+/// lies between is not used: first_refined is a multiple of 64, so that devices can bind the two apart.
 template <class Real>
 struct BasicPatchTable {
     SchemeOptions options;
@@ -200,7 +200,8 @@ Result<BasicPatchTable<Real>> build_face_varying_patch_table(const ControlMesh& 
 
 inline constexpr uint32_t kMaxRingSize = 4096;
 
-/// The level-1 points as an ordinary stencil table: row r is point first_refined + r.
+/// The level-1 points as an ordinary stencil table: row r is point first_refined + r, its entries by descending weights; a point
+/// that is not used has none.
 template <class Real>
 BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table);
 

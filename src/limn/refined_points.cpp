@@ -282,7 +282,7 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
     BasicStencilTable<Real> out;
     out.source_count = table.control_count;
     Array<uint32_t> counts;
-    counts.allocate(table.refined_count);
+    counts.assign(table.refined_count, 0);
     uint64_t entries = 0;
     for (const PointRun& run : table.point_runs) {
         std::fill_n(counts.begin() + (run.first_point - table.first_refined), run.row_count, run.entry_count);
@@ -291,13 +291,17 @@ BasicStencilTable<Real> build_point_table(const BasicPatchTable<Real>& table) {
     out.offsets = offsets_from_counts(counts);
     out.indices.allocate(entries);
     out.weights.allocate(entries);
-    size_t at = 0;
-    for (const PointRun& run : table.point_runs)
+    for (const PointRun& run : table.point_runs) {
+        if (run.row_count == 0) continue;
+        const std::vector<uint32_t> order =
+            order_by_weight(std::span(table.point_weights.data() + run.first_weight, run.entry_count));
+        size_t at = out.offsets[run.first_point - table.first_refined];
         for (uint32_t i = 0; i < run.row_count; ++i)
-            for (uint32_t k = 0; k < run.entry_count; ++k, ++at) {
+            for (const uint32_t k : order) {
                 out.indices[at] = table.point_indices[run.first_index + size_t{i} * run.entry_count + k];
-                out.weights[at] = table.point_weights[run.first_weight + k];
+                out.weights[at++] = table.point_weights[run.first_weight + k];
             }
+    }
     return out;
 }
 

@@ -1,7 +1,10 @@
 // The level-1 points of patch tables. Not part of the public interface.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -13,6 +16,17 @@ namespace limn {
 
 /// 16 bits each where `bound` is 2^16 at most; indices are below it.
 IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPart& part);
+
+/// Entries of a row by descending weights: then its sum does not depend on which other rows a device table holds
+/// (limn/vulkan/stencil_runs.h).
+template <class Real>
+std::vector<uint32_t> order_by_weight(std::span<const Real> weights) {
+    std::vector<uint32_t> order(weights.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto bits = [&](uint32_t k) { return std::bit_cast<uint32_t>(static_cast<float>(weights[k])); };
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return bits(a) > bits(b); });
+    return order;
+}
 
 /// Runs in the making (PointRun): rows of equal weights have one, whose weights are there once.
 template <class Real>

@@ -76,7 +76,7 @@ struct Tessellator {
         const uint32_t edge = table.rows[size_t{row} * shared::kTessRowWords];
         const uint32_t* words = table.rate_edges.data() + size_t{edge} * shared::kRateEdgeWords;
         if (rates[edge] == 0) return false;
-        return words[1] == shared::kManyFaces || offsets.drawn[words[1]] != 0 ||
+        return words[1] == shared::kManyFaces || (words[1] != shared::kNoFace && offsets.drawn[words[1]] != 0) ||
                (words[2] != shared::kNoFace && offsets.drawn[words[2]] != 0);
     }
     uint32_t row_size(uint32_t row) const {

@@ -367,4 +367,18 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
     return build_tessellation_table(mesh, base, rest);
 }
 
+Array<uint32_t> list_instances(const TessellationTable& table) {
+    const uint32_t count = table.instance_count();
+    Array<uint32_t> words;
+    words.allocate(2 * size_t{count} + 2);
+    words[0] = count;
+    words[1] = 0;
+    words[count + 1] = table.face_count;
+    std::copy(table.instance_faces.begin(), table.instance_faces.end(), words.begin() + 1);
+    uint32_t* numbers = words.data() + count + 2;
+    std::iota(numbers, numbers + count, 0);
+    std::copy(table.instance_numbers.begin(), table.instance_numbers.end(), numbers);
+    return words;
+}
+
 }  // namespace limn

@@ -35,6 +35,8 @@ struct TessellationTable {
     Array<uint32_t> row_copies;     ///< pairs of rows, likewise
     /// Of a merged table (batch.h): the first ptex face of each instance, and the end of the last. Else empty: one.
     Array<uint32_t> instance_faces;
+    /// Of a crowd (crowd.h): which instance each of those is, since faces and instances keep their numbers. Else empty: in order.
+    Array<uint32_t> instance_numbers;
 
     uint32_t instance_count() const {
         return instance_faces.empty() ? 1 : static_cast<uint32_t>(instance_faces.size() - 1);
@@ -44,7 +46,7 @@ struct TessellationTable {
     uint32_t row_copy_count() const { return static_cast<uint32_t>(row_copies.size() / 2); }
     uint64_t bytes() const {
         return faces.bytes() + rows.bytes() + corners.bytes() + rate_edges.bytes() + corner_copies.bytes() +
-               row_copies.bytes() + instance_faces.bytes();
+               row_copies.bytes() + instance_faces.bytes() + instance_numbers.bytes();
     }
 };
 
@@ -63,5 +65,8 @@ Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh,
 /// The same where build_topology(mesh) is at hand.
 Result<TessellationTable> build_tessellation_table(const ControlMesh& mesh, const Topology& base,
                                                    const TessellationTableOptions& options);
+
+/// Instances as kernels read them: their count, the first face of each and the end of the last, and the number of each.
+Array<uint32_t> list_instances(const TessellationTable& table);
 
 }  // namespace limn

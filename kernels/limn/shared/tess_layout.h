@@ -30,7 +30,7 @@ LIMN_FN void locate_on_row(uint place, real t, LIMN_INOUT(real) u, LIMN_INOUT(re
     v = v0 + (v1 - v0) * t;
 }
 
-// A corner is 2 words: the ptex face, and u and v in halves.
+// A corner is 2 words: the ptex face (kNoFace: nobody's, in crowds), and u and v in halves.
 const uint kTessCornerWords = 2;
 
 // A rate edge is 3 words: its first row and flags, and the faces beside it (kInvalidFace: none or, first, more than two).

@@ -101,25 +101,20 @@ Result<VkDescriptorSet> Recording::add_set(VkDescriptorSetLayout set_layout,
     return set;
 }
 
-void Recording::record(VkCommandBuffer command_buffer, std::span<const Dispatch> some) const {
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    for (const Dispatch& dispatch : some) {
-        if (dispatch.pipeline != pipeline)
-            device->functions.CmdBindPipeline(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                              dispatch.pipeline);
-        if (dispatch.set != set)
-            device->functions.CmdBindDescriptorSets(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0,
-                                                    1, &dispatch.set, 0, nullptr);
-        pipeline = dispatch.pipeline;
-        set = dispatch.set;
-        device->functions.CmdPushConstants(command_buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                           push_constant_bytes, dispatch.push_constants.data());
-        if (dispatch.indirect != VK_NULL_HANDLE)
-            device->functions.CmdDispatchIndirect(command_buffer, dispatch.indirect, dispatch.indirect_bytes);
-        else
-            device->functions.CmdDispatch(command_buffer, dispatch.groups[0], dispatch.groups[1], 1);
-    }
+void Recording::record(VkCommandBuffer command_buffer, const Dispatch& dispatch, Bound& bound) const {
+    if (dispatch.indirect == VK_NULL_HANDLE && dispatch.groups[0] == 0) return;
+    if (dispatch.pipeline != bound.pipeline)
+        device->functions.CmdBindPipeline(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE, dispatch.pipeline);
+    if (dispatch.set != bound.set)
+        device->functions.CmdBindDescriptorSets(command_buffer, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &dispatch.set,
+                                                0, nullptr);
+    bound = {dispatch.pipeline, dispatch.set};
+    device->functions.CmdPushConstants(command_buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push_constant_bytes,
+                                       dispatch.push_constants.data());
+    if (dispatch.indirect != VK_NULL_HANDLE)
+        device->functions.CmdDispatchIndirect(command_buffer, dispatch.indirect, dispatch.indirect_bytes);
+    else
+        device->functions.CmdDispatch(command_buffer, dispatch.groups[0], dispatch.groups[1], 1);
 }
 
 }  // namespace limn::vk

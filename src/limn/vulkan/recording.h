@@ -55,15 +55,29 @@ struct Recording {
                            const Params& params) const {
         static_assert(sizeof(Params) <= sizeof(Dispatch::push_constants));
         Dispatch dispatch = {pipeline, set, {}, {}};
-        const uint64_t most = device->properties.limits.maxComputeWorkGroupCount[0];
-        dispatch.groups[1] = static_cast<uint32_t>((group_count - 1) / most + 1);
-        dispatch.groups[0] = static_cast<uint32_t>((group_count - 1) / dispatch.groups[1] + 1);
+        set_groups(dispatch, group_count);
         std::memcpy(dispatch.push_constants.data(), &params, sizeof(Params));
         return dispatch;
     }
 
+    /// Without workgroups a dispatch is not recorded.
+    void set_groups(Dispatch& dispatch, uint64_t group_count) const {
+        const uint64_t most = device->properties.limits.maxComputeWorkGroupCount[0];
+        dispatch.groups[1] = group_count == 0 ? 0 : static_cast<uint32_t>((group_count - 1) / most + 1);
+        dispatch.groups[0] = group_count == 0 ? 0 : static_cast<uint32_t>((group_count - 1) / dispatch.groups[1] + 1);
+    }
+
     void record(VkCommandBuffer command_buffer) const { record(command_buffer, dispatches); }
-    void record(VkCommandBuffer command_buffer, std::span<const Dispatch> some) const;
+    void record(VkCommandBuffer command_buffer, std::span<const Dispatch> some) const {
+        Bound bound;
+        for (const Dispatch& dispatch : some) record(command_buffer, dispatch, bound);
+    }
+    /// What is bound between dispatches that are recorded one by one.
+    struct Bound {
+        VkPipeline pipeline = VK_NULL_HANDLE;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+    };
+    void record(VkCommandBuffer command_buffer, const Dispatch& dispatch, Bound& bound) const;
 };
 
 }  // namespace limn::vk

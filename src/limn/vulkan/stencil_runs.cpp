@@ -368,7 +368,11 @@ void write_stencil_runs(const StencilTable& table, StencilRuns& runs, uint32_t* 
             run.source_min = std::min(run.source_min, ranges[chunk * run_count + i].min);
             run.source_max = std::max(run.source_max, ranges[chunk * run_count + i].max);
         }
-        if (run.kind != shared::kStencilRunLong) continue;
+        if (run.kind != shared::kStencilRunLong) {
+            // The half of a pair that no row has: what is uploaded is then the same every time.
+            if (run.row_offset != kNoPairs && run.item_count % 2 != 0) words[2 * run.row_offset + run.item_count] = 0;
+            continue;
+        }
         write_long_rows(table, runs, run, words);
         run.source_max = table.source_count - 1;
         run.source_min = 0;

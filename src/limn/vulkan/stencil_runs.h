@@ -31,6 +31,7 @@ struct StencilRun {
     float weights[shared::kStencilEvalMaxSharedWeights] = {};
 
     uint32_t pair_count() const { return (entry_count + 1) / 2; }
+    bool operator==(const StencilRun&) const = default;
 };
 
 /// Weights that many rows share, largest first; a row's entries are put into this order.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "limn/shared/grid_eval_params.h"
 #include "limn/shared/tree_eval_params.h"
@@ -82,6 +83,11 @@ struct Reads {
     }
 };
 
+uint64_t group_count_of(const GridBatch& batch, uint32_t chunk_count) {
+    return batch.by_rows ? (uint64_t{batch.tile_count} + shared::kGridRowsWorkgroupSize - 1) / shared::kGridRowsWorkgroupSize
+                         : uint64_t{batch.tile_count} * chunk_count;
+}
+
 }  // namespace
 
 struct SurfaceEvaluation::State {
@@ -90,8 +96,10 @@ struct SurfaceEvaluation::State {
     Buffer deferred;
     std::vector<VkDeviceSize> deferred_bytes;
     std::vector<Recording::Dispatch> deferred_dispatches;
+    const DeviceGridTable* grid = nullptr;  ///< of one that changes: its batches are the dispatches
 
     void record_with_deferred(VkCommandBuffer command_buffer) const;
+    void record_batches(VkCommandBuffer command_buffer) const;
 };
 SurfaceEvaluation::SurfaceEvaluation() : state_(std::make_unique<State>()) {}
 SurfaceEvaluation::SurfaceEvaluation(SurfaceEvaluation&&) noexcept = default;
@@ -111,7 +119,22 @@ void SurfaceEvaluation::State::record_with_deferred(VkCommandBuffer commands) co
     recording.record(commands, deferred_dispatches);
 }
 
+/// With as many tiles as the table has now.
+void SurfaceEvaluation::State::record_batches(VkCommandBuffer command_buffer) const {
+    Recording::Bound bound;
+    for (size_t i = 0; i < recording.dispatches.size(); ++i) {
+        Recording::Dispatch dispatch = recording.dispatches[i];
+        GridEvalParams params;
+        std::memcpy(&params, dispatch.push_constants.data(), sizeof params);
+        params.tile_count = grid->batches[i].tile_count;
+        std::memcpy(dispatch.push_constants.data(), &params, sizeof params);
+        recording.set_groups(dispatch, group_count_of(grid->batches[i], params.chunk_count));
+        recording.record(command_buffer, dispatch, bound);
+    }
+}
+
 void SurfaceEvaluation::record(VkCommandBuffer command_buffer) const {
+    if (state_->grid != nullptr) return state_->record_batches(command_buffer);
     if (state_->deferred_dispatches.empty())
         state_->recording.record(command_buffer);
     else
@@ -294,6 +317,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::prepare_refined(const RefinedGridInf
 Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) const {
     const GridEvaluationInfo& info = job.info;
     SurfaceEvaluation evaluation;
+    if (info.grid->changes) evaluation.state_->grid = info.grid;
     Recording& recording = evaluation.state_->recording;
     begin(kGrid, sizeof(GridEvalParams), recording);
     const uint32_t output = info.grid->relative                     ? shared::kGridOutputRelative
@@ -318,9 +342,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
                              rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined}
                                   : tile_constants(job, batch, output, paired, texel ? 8 : 32));
         if (!made) return made.error();
-        const uint64_t group_count = rows ? (batch.tile_count - 1) / shared::kGridRowsWorkgroupSize + 1
-                                          : uint64_t{batch.tile_count} * params.chunk_count;
-        recording.add_dispatch(*made, set, group_count, params);
+        recording.add_dispatch(*made, set, group_count_of(batch, params.chunk_count), params);
     }
     return evaluation;
 }

@@ -11,7 +11,27 @@
 
 namespace limn::vk {
 
-namespace {
+void describe(const PatchTable& table, DevicePatchTable& out) {
+    out.scheme = table.options.scheme;
+    out.end_cap = table.end_cap;
+    out.control_count = table.control_count;
+    out.first_refined = table.first_refined;
+    out.point_count = table.point_count();
+    out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
+    out.narrow_rings = table.ring_points.narrow;
+    out.max_ring_size = 0;
+    for (const Plan& plan : table.plans) out.max_ring_size = std::max(out.max_ring_size, plan.ring_size);
+}
+
+void describe(const GridTable& table, DeviceGridTable& out) {
+    out.rate = table.rate;
+    out.value_count = table.value_count;
+    out.ptex_count = table.ptex_count;
+    out.samples_per_face = table.samples_per_face;
+    out.faces_per_pass = table.faces_per_pass;
+    out.relative = table.relative;
+    out.total_sample_count = table.total_sample_count;
+}
 
 std::array<TableSection, 7> patch_sections(const PatchTable& table, shared::PatchTableOffsets& offsets) {
     return {section_of(table.ptex_surfaces, offsets.ptex_surfaces),
@@ -22,8 +42,6 @@ std::array<TableSection, 7> patch_sections(const PatchTable& table, shared::Patc
             section_of(table.plan_points, offsets.plan_points),
             section_of(table.plan_weights, offsets.plan_weights)};
 }
-
-}  // namespace
 
 Result<MemoryNeed> upload_memory(const PatchTable& table) {
     shared::PatchTableOffsets offsets;
@@ -39,14 +57,7 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
                                                    const PatchTable& table) {
     PatchTableUpload upload;
     DevicePatchTable& out = upload.table;
-    out.scheme = table.options.scheme;
-    out.end_cap = table.end_cap;
-    out.control_count = table.control_count;
-    out.first_refined = table.first_refined;
-    out.point_count = table.point_count();
-    out.ptex_count = static_cast<uint32_t>(table.ptex_surfaces.size());
-    out.narrow_rings = table.ring_points.narrow;
-    for (const Plan& plan : table.plans) out.max_ring_size = std::max(out.max_ring_size, plan.ring_size);
+    describe(table, out);
     const auto sections = patch_sections(table, out.offsets);
     auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
     if (!words) return words.error();
@@ -60,11 +71,6 @@ Result<PatchTableUpload> record_patch_table_upload(const Device& device, VkComma
 }
 
 namespace {
-
-struct GridWords {
-    std::vector<uint32_t> words;
-    std::vector<GridBatch> batches;
-};
 
 /// Where placements lie among the words; 0 where none is yet, since something always precedes them.
 struct PlacementWords {
@@ -160,7 +166,8 @@ std::vector<bool> find_row_classes(const GridTable& table, bool cpu_device) {
     return by_rows;
 }
 
-/// Tiles of each pass: those that one dispatch can take follow each other.
+}  // namespace
+
 GridWords lay_out(const GridTable& table, bool cpu_device) {
     GridWords out;
     out.words.push_back(0);
@@ -196,8 +203,6 @@ GridWords lay_out(const GridTable& table, bool cpu_device) {
     return out;
 }
 
-}  // namespace
-
 Result<MemoryNeed> upload_memory(const Device& device, const GridTable& table) {
     const uint64_t words = lay_out(table, reads_texels(device)).words.size();
     if (words > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
@@ -228,13 +233,7 @@ Result<GridTableUpload> record_grid_table_upload(const Device& device, VkCommand
                                                  const GridTable& table) {
     GridTableUpload upload;
     DeviceGridTable& out = upload.table;
-    out.rate = table.rate;
-    out.value_count = table.value_count;
-    out.ptex_count = table.ptex_count;
-    out.samples_per_face = table.samples_per_face;
-    out.faces_per_pass = table.faces_per_pass;
-    out.relative = table.relative;
-    out.total_sample_count = table.total_sample_count;
+    describe(table, out);
     GridWords grid = lay_out(table, reads_texels(device));
     if (grid.words.size() > 0xffffffffu) return Error{ErrorCode::too_large, "a grid of 2^32 words or more"};
     out.batches = std::move(grid.batches);

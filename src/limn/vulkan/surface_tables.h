@@ -40,6 +40,8 @@ struct GridBatch {
     uint32_t tile_base;      ///< words
     uint32_t tile_count;
     bool by_rows = false;
+
+    bool operator==(const GridBatch&) const = default;
 };
 
 /// A grid table as kernels read it: limn/shared/grid_eval_params.h. It samples one DevicePatchTable.
@@ -50,6 +52,7 @@ struct DeviceGridTable {
     uint32_t samples_per_face = 0;
     uint32_t faces_per_pass = 0;
     bool relative = false;
+    bool changes = false;  ///< tile_count of batches does, as in crowds: evaluations look when they are recorded
     std::vector<GridBatch> batches;
     uint64_t total_sample_count = 0;
     Buffer words;

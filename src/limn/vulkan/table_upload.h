@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <span>
 
@@ -82,6 +83,19 @@ inline void add_tree_sections(const PatchTreeTable& trees, shared::TreeOffsets& 
     sections.push_back(section_of(trees.nodes, offsets.nodes));
     sections.push_back(section_of(trees.leaf_points, offsets.leaf_points));
 }
+
+std::array<TableSection, 7> patch_sections(const PatchTable& table, shared::PatchTableOffsets& offsets);
+
+/// A grid's words, tiles of each pass: those that one dispatch can take follow each other.
+struct GridWords {
+    std::vector<uint32_t> words;
+    std::vector<GridBatch> batches;
+};
+GridWords lay_out(const GridTable& table, bool cpu_device);
+
+/// All that does not depend on how words are laid out.
+void describe(const PatchTable& table, DevicePatchTable& out);
+void describe(const GridTable& table, DeviceGridTable& out);
 
 /// What makes local points; the trees' words are left to the caller.
 inline Result<DevicePatchTrees> record_local_points_upload(const Device& device, VkCommandBuffer command_buffer,

@@ -1,54 +1,49 @@
 #include "limn/vulkan/tessellation_tables.h"
 
-#include "limn/vulkan/table_upload.h"
+#include "limn/vulkan/tessellation_upload.h"
 
 namespace limn::vk {
-namespace {
 
-/// Their count, the first face of each, and the end of the last.
-Array<uint32_t> list_instances(const TessellationTable& table) {
-    const uint32_t count = table.instance_count();
-    Array<uint32_t> words;
-    words.allocate(size_t{count} + 2);
-    words[0] = count;
-    words[1] = 0;
-    words[count + 1] = table.face_count;
-    std::copy(table.instance_faces.begin(), table.instance_faces.end(), words.begin() + 1);
-    return words;
-}
-
-/// Words that are not a table's own.
-struct MadeWords {
-    Array<uint32_t> copies, instances;
-};
-
-/// Of the words of a tessellation table: trees first, which start at offsets of `out`, as all sections do. `made`, what is made
-/// for them, has to live as long as they are in use.
 std::vector<TableSection> sections_of(const TessellationTable& table, const PatchTreeTable& vertices,
-                                      std::span<const PatchTreeTable* const> channels, DeviceTessellationTable& out,
-                                      MadeWords& made) {
+                                      std::span<const PatchTreeTable* const> channels, TessellationOffsets& out, MadeWords& made) {
     std::vector<TableSection> sections;
-    add_tree_sections(vertices, out.vertices.offsets, sections);
-    for (size_t c = 0; c < channels.size(); ++c) add_tree_sections(*channels[c], out.channels[c].offsets, sections);
-    sections.push_back(section_of(table.faces, out.offsets.faces));
-    sections.push_back(section_of(table.rows, out.offsets.rows));
-    sections.push_back(section_of(table.corners, out.offsets.corners));
-    sections.push_back(section_of(table.rate_edges, out.offsets.rate_edges));
+    out.channels.resize(channels.size());
+    add_tree_sections(vertices, out.vertices, sections);
+    for (size_t c = 0; c < channels.size(); ++c) add_tree_sections(*channels[c], out.channels[c], sections);
+    sections.push_back(section_of(table.faces, out.topology.faces));
+    sections.push_back(section_of(table.rows, out.topology.rows));
+    sections.push_back(section_of(table.corners, out.topology.corners));
+    sections.push_back(section_of(table.rate_edges, out.topology.rate_edges));
     made.copies.allocate(table.corner_copies.size() + table.row_copies.size());
     std::copy(table.corner_copies.begin(), table.corner_copies.end(), made.copies.begin());
     std::copy(table.row_copies.begin(), table.row_copies.end(), made.copies.begin() + table.corner_copies.size());
-    sections.push_back(section_of(made.copies, out.offsets.copies));
+    sections.push_back(section_of(made.copies, out.topology.copies));
     made.instances = list_instances(table);
-    sections.push_back(section_of(made.instances, out.instances_offset));
+    sections.push_back(section_of(made.instances, out.instances));
     return sections;
 }
 
-}  // namespace
+void describe(const TessellationTable& table, DeviceTessellationTable& out) {
+    out.scheme = table.options.scheme;
+    out.face_count = table.face_count;
+    out.row_count = table.row_count;
+    out.corner_count = table.corner_count;
+    out.rate_edge_count = table.rate_edge_count;
+    out.corner_copy_count = table.corner_copy_count();
+    out.row_copy_count = table.row_copy_count();
+    out.instance_count = table.instance_count();
+}
+
+void set_offsets(const TessellationOffsets& offsets, DeviceTessellationTable& out) {
+    out.offsets = offsets.topology;
+    out.instances_offset = offsets.instances;
+    out.vertices.offsets = offsets.vertices;
+    for (size_t c = 0; c < out.channels.size(); ++c) out.channels[c].offsets = offsets.channels[c];
+}
 
 Result<MemoryNeed> upload_memory(const Device& device, const TessellationTable& table, const PatchTreeTable& vertices,
                                  std::span<const PatchTreeTable* const> channels) {
-    DeviceTessellationTable offsets;
-    offsets.channels.resize(channels.size());
+    TessellationOffsets offsets;
     MadeWords made;
     auto need = sections_memory(sections_of(table, vertices, channels, offsets, made));
     for (size_t i = 0; i < 1 + channels.size() && need; ++i) {
@@ -71,13 +66,7 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
     }
     TessellationTableUpload upload;
     DeviceTessellationTable& out = upload.table;
-    out.scheme = table.options.scheme;
-    out.face_count = table.face_count;
-    out.row_count = table.row_count;
-    out.corner_count = table.corner_count;
-    out.rate_edge_count = table.rate_edge_count;
-    out.corner_copy_count = table.corner_copy_count();
-    out.row_copy_count = table.row_copy_count();
+    describe(table, out);
     out.max_rate = vertices.max_rate;
     auto trees = record_local_points_upload(device, command_buffer, vertices, upload.staging);
     if (!trees) return trees.error();
@@ -88,12 +77,13 @@ Result<TessellationTableUpload> record_tessellation_table_upload(const Device& d
         out.channels.push_back(std::move(*channel_trees));
         out.max_rate = std::min(out.max_rate, channel->max_rate);
     }
-    out.instance_count = table.instance_count();
+    TessellationOffsets offsets;
     MadeWords made;
-    const auto sections = sections_of(table, vertices, channels, out, made);
+    const auto sections = sections_of(table, vertices, channels, offsets, made);
     auto words = record_sections_upload(device, command_buffer, sections, upload.staging);
     if (!words) return words.error();
     out.words = std::move(*words);
+    set_offsets(offsets, out);
     return upload;
 }
 

@@ -22,7 +22,7 @@ struct DeviceTessellationTable {
     uint32_t instance_count = 1;
     uint32_t max_rate = 0;  ///< the least of the patch trees'
     shared::TessOffsets offsets = {};
-    uint32_t instances_offset = 0;  ///< in words: instance_count, then TessellationTable::instance_faces
+    uint32_t instances_offset = 0;  ///< in words: list_instances
     DevicePatchTrees vertices;
     std::vector<DevicePatchTrees> channels;
     Buffer words;
