@@ -111,6 +111,21 @@ TEST_F(Program, cuts_faces_for_schemes_that_want_others) {
     EXPECT_TRUE(is_closed(*quads));
 }
 
+TEST_F(Program, evaluates_schemes_by_limit_stencils) {
+    write("samples.csv", "0,0,0\n0,0.5,0.5\n5,0.25,0.75\n9,0,0\n0,2,0\n");
+    ASSERT_EQ(run("eval cube.obj --scheme kobbelt --at samples.csv -o device.csv --validation").status, 0) << read("err.txt");
+    ASSERT_EQ(run("eval cube.obj --scheme kobbelt --at samples.csv -o host.csv --device cpu").status, 0) << read("err.txt");
+    const std::string device = read("device.csv");
+    EXPECT_EQ(device.substr(0, device.find('\n')), "face,u,v,px,py,pz,nx,ny,nz,status");
+    EXPECT_NE(device.find("0,0,0,-1,-1,1,"), std::string::npos) << "the scheme interpolates\n" << device;
+    EXPECT_NE(device.find("9,0,0,0,0,0,0,0,0,out_of_range"), std::string::npos) << device;
+    EXPECT_EQ(std::count(device.begin(), device.end(), '\n'), 6);
+    const std::string host = read("host.csv");
+    EXPECT_EQ(std::count(host.begin(), host.end(), '\n'), 6);
+    expect_failure("eval cube.obj --scheme doo-sabin --at samples.csv -o result.csv", 1, "no coordinates");
+    expect_failure("eval cube.obj --scheme kobbelt --texture --at samples.csv -o result.csv", 2, "no patches");
+}
+
 #ifdef LIMN_HAVE_WINDOW
 
 TEST_F(Program, draws_a_gallery) {

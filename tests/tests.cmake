@@ -45,6 +45,7 @@ set(scheme_test_files
     tests/schemes/scheme_masks_test.cpp
     tests/schemes/nurss_test.cpp
     tests/schemes/scheme_limit_test.cpp
+    tests/schemes/scheme_samples_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp

@@ -4,10 +4,13 @@
 #include <charconv>
 
 #include "cli/model_tables.h"
+#include "cli/point_runner.h"
 #include "cli/samples_csv.h"
+#include "cli/scheme_model.h"
 #include "cli/surface_runner.h"
 #include "limn/file.h"
 #include "limn/patch_table.h"
+#include "limn/schemes/scheme_samples.h"
 
 namespace limn::cli {
 namespace {
@@ -171,9 +174,54 @@ Result<void> evaluate(const Options& options, Progress& progress) {
     return output->commit();
 }
 
+/// By limit stencils of a scheme without patches: positions and normals.
+Result<void> evaluate_by_scheme(const Options& options, const SubdivisionScheme& scheme, Progress& progress) {
+    progress.show("reading " + options.model);
+    const Result<LoadedModel> loaded = load_model(options.model, options.surface);
+    if (!loaded) return loaded.error();
+    note_left_out(options.model, *loaded, scheme, progress);
+    progress.show("reading " + options.samples);
+    const Result<std::vector<SampleRow>> rows = read_samples(options.samples);
+    if (!rows) return rows.error();
+    std::vector<PatchSample> samples;
+    for (const SampleRow& row : *rows) {
+        const SurfaceSample sample = sample_of(row);
+        samples.push_back({sample.face, static_cast<double>(sample.u), static_cast<double>(sample.v)});
+    }
+    progress.show("building the stencils of " + plural(samples.size(), "sample"));
+    const auto built = build_scheme_sample_table<float>(loaded->mesh, scheme, samples);
+    if (!built) return name_model(options, built.error());
+    const Result<RunDevice> device = RunDevice::create(options.device);
+    if (!device) return device.error();
+    const Result<PointRunner> runner = PointRunner::create(*device);
+    if (!runner) return runner.error();
+    const auto limits = runner->run_limits(built->table, loaded->model.positions);
+    if (!limits) return limits.error();
+    const std::vector<float> normals = normals_of(*limits);
+    Result<TextOutput> output = TextOutput::create(options.output);
+    if (!output) return output.error();
+    output->append("face,u,v,px,py,pz,nx,ny,nz,status\n");
+    for (size_t i = 0; i < rows->size(); ++i) {
+        char line[9 * kNumberBytes];
+        const bool valid = built->statuses[i] == SampleStatus::valid;
+        char* to = put_number(line, (*rows)[i].face);
+        to = put_number(to, (*rows)[i].u);
+        to = put_number(to, (*rows)[i].v);
+        for (const std::vector<float>* values : {&limits->positions, &normals})
+            for (size_t k = 0; k < 3; ++k) to = put_number(to, valid ? (*values)[3 * i + k] : 0.0f);
+        output->append({line, static_cast<size_t>(to - line)});
+        output->append(status_name(built->statuses[i]));
+        output->append("\n");
+    }
+    if (auto silent = device->check_validation(); !silent) return silent;
+    return output->commit();
+}
+
 int run(const Options& options) {
     Progress progress;
-    const Result<void> done = evaluate(options, progress);
+    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
+    const Result<void> done =
+        scheme != nullptr ? evaluate_by_scheme(options, *scheme, progress) : evaluate(options, progress);
     progress.clear();
     return done ? 0 : fail(done.error());
 }
@@ -195,7 +243,7 @@ void add_eval(CLI::App& program, int& status) {
     CLI::Option* texture =
         command->add_flag("--texture", options->texture, "Evaluate texture coordinates instead of positions");
     command->add_flag("--curvature", options->curvature, "Write curvatures, too")->excludes(texture);
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     add_device_option(*command, options->device);
     command->footer(
         "face is the ptex face: a quad (Loop: a triangle) is one, any other face of n sides is n, numbered "
@@ -211,8 +259,13 @@ void add_eval(CLI::App& program, int& status) {
         "surface bends away from its normal, as a sphere does) and the unit directions d1x..d1z, d2x..d2z "
         "that "
         "they belong to. Exactly at extraordinary vertices all are 0.\n"
-        "Evaluation is in float, u and v included.");
+        "Evaluation is in float, u and v included.\n"
+        "Schemes without patches that split faces in four are evaluated by limit stencils, as deep as u and v ask "
+        "for (to 24 binary digits): a row is face,u,v,px,py,pz,nx,ny,nz and status, with the unit normal.");
     command->callback([options, command, &status] {
+        const SubdivisionScheme* scheme = scheme_without_patches(options->surface);
+        if (scheme != nullptr && (options->texture || options->curvature))
+            throw CLI::ValidationError("--scheme", "has no patches: positions and normals are all that there is");
         check_baked_usage(*command, options->model);
         status = run(*options);
     });

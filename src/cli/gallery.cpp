@@ -83,6 +83,35 @@ void paste(viewer::Picture& sheet, const viewer::Picture& tile, uint32_t x, uint
                     sheet.rgb.data() + 3 * (size_t{y + row} * sheet.width + x));
 }
 
+/// Lines that are no wider than `width` pixels, broken at spaces.
+std::vector<std::string> break_lines(const viewer::Captions& captions, const std::string& text, int width) {
+    std::vector<std::string> lines = {""};
+    for (size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+        end = std::min(text.find(' ', at), text.size());
+        const std::string word = text.substr(at, end - at);
+        const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+        if (lines.back().empty() || captions.width(longer) <= width)
+            lines.back() = longer;
+        else
+            lines.push_back(word);
+    }
+    return lines;
+}
+
+/// Name and note in the upper left corner of a tile.
+void write_caption(const viewer::Captions& captions, const Tile& tile, viewer::Picture& picture) {
+    const int width = static_cast<int>(picture.width) - 2 * kMargin;
+    int top = kMargin;
+    const auto write = [&](const std::string& text, std::array<uint8_t, 3> color) {
+        for (const std::string& line : break_lines(captions, text, width)) {
+            captions.draw(picture, kMargin, top, line, color);
+            top += captions.height();
+        }
+    };
+    write(tile.title, {20, 20, 24});
+    write(tile.note, {90, 90, 96});
+}
+
 uint32_t column_count(const Options& options, size_t tiles) {
     if (options.columns != 0) return options.columns;
     return static_cast<uint32_t>(std::ceil(std::sqrt(1.2 * static_cast<double>(tiles))));
@@ -111,11 +140,8 @@ Result<viewer::Picture> draw_gallery(const Options& options, const Models& model
                                  graphics.device(), *evaluator, renderer, timer, progress);
         if (!drawn) return drawn.error();
         if (!bounds) bounds = drawn->bounds;
-        const uint32_t x = i % columns * size.width, y = i / columns * size.height;
-        paste(sheet, drawn->picture, x, y);
-        const int left = static_cast<int>(x) + kMargin, top = static_cast<int>(y) + kMargin;
-        captions.draw(sheet, left, top, tile.title, {20, 20, 24});
-        captions.draw(sheet, left, top + captions.height(), tile.note, {90, 90, 96});
+        write_caption(captions, tile, drawn->picture);
+        paste(sheet, drawn->picture, i % columns * size.width, i / columns * size.height);
     }
     return sheet;
 }

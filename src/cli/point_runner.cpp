@@ -1,5 +1,7 @@
 #include "cli/point_runner.h"
 
+#include <cmath>
+
 namespace limn::cli {
 namespace {
 
@@ -24,6 +26,20 @@ Result<vk::Buffer> create_points(const vk::Device& device, uint64_t points, uint
 }
 
 }  // namespace
+
+std::vector<float> normals_of(const LimitPoints& limits) {
+    std::vector<float> normals(limits.positions.size());
+    for (size_t i = 0; i < normals.size(); i += 3) {
+        const float* a = limits.tangents1.data() + i;
+        const float* b = limits.tangents2.data() + i;
+        double n[3] = {double(a[1]) * b[2] - double(a[2]) * b[1], double(a[2]) * b[0] - double(a[0]) * b[2],
+                       double(a[0]) * b[1] - double(a[1]) * b[0]};
+        const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (size_t k = 0; k < 3; ++k)  // no tangent plane there: any unit vector will do
+            normals[i + k] = length > 0 ? static_cast<float>(n[k] / length) : k == 2 ? 1.0f : 0.0f;
+    }
+    return normals;
+}
 
 Result<PointRunner> PointRunner::create(const RunDevice& device) {
     PointRunner runner;
