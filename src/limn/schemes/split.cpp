@@ -136,7 +136,9 @@ void split_sqrt3(const Stage& parent, bool full, SplitMesh& out, const BuildPart
         if (!trisect || boundary_corner(p, f) == kInvalidIndex) split_faces.push_back(f);
     ChildFaces child(out);
     child.add_points(Origin::vertex, p.vertex_count);
-    uint32_t next = child.add_points(Origin::face, static_cast<uint32_t>(split_faces.size()), split_faces);
+    const auto count = static_cast<uint32_t>(split_faces.size());
+    uint32_t next = count == p.face_count ? child.add_points(Origin::face, count)
+                                          : child.add_points(Origin::face, count, split_faces);
     for (const uint32_t f : split_faces) face_point[f] = next++;
     if (trisect)
         boundary.set_first(
