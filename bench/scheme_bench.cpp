@@ -208,7 +208,8 @@ void bench_scheme(Setup setup) {
 
 void bench_schemes(const Session& session) {
     const auto evaluator = value_or_fail(session.options, vk::Evaluator::create(session.machines.device()));
-    const BenchModel quads = make_smooth_torus("torus_1k", kModelFaces), triangles = triangulated(quads);
+    const BenchModel quads = make_smooth_torus("torus_1k", kModelFaces),
+                     triangles = triangulated(make_smooth_torus("torus_1k", kModelFaces / 2));
     for (const SubdivisionScheme& scheme : subdivision_schemes())
         bench_scheme({session, evaluator, scheme, scheme.faces == FaceKind::triangles ? triangles : quads});
 }
