@@ -129,9 +129,8 @@ std::string to_html(const ReportData& data, std::string_view chart_script) {
     html += data.quick ? "<p><strong>A quick run: one repetition, not for comparison.</strong></p>\n"
                        : "<p>Medians of several runs, all sides in one run of the program.</p>\n";
     html +=
-        "<h2>In short</h2>\n<p>How many times faster limn is than the best of OpenSubdiv, and than the best "
-        "plain C++ "
-        "loop: geometric mean (least..most). Tasks whose working set is below the size of the last level of "
+        "<h2>In short</h2>\n<p>How many times faster limn is than the best of OpenSubdiv (in schemes: of CGAL "
+        "and OpenMesh), and than the best plain C++ loop: geometric mean (least..most). Tasks whose working set is below the size of the last level of "
         "the "
         "cache, and above it, are apart.</p>\n" +
         summary_table(data);

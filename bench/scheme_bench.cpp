@@ -113,6 +113,9 @@ Timing time_peer(const Setup& setup, const peers::PeerScheme& peer, const std::v
     const double difference = set_difference(peer.refine(mesh, setup.level, &milliseconds).points, truth);
     if (!(difference <= tolerance_for(setup.model.positions).in_double))
         setup.fail_verification(peer.method, difference);
+    setup.session.report.add_finding(format("schemes/%s: %s makes the same points, within %.1e of the size",
+                                            setup.scheme.name, peer.method,
+                                            difference / tolerance_for(setup.model.positions).size));
     std::vector<double> times;
     for (uint32_t i = 0; i < (setup.options().quick ? 1 : kRepetitions.min); ++i) {
         peer.refine(mesh, setup.level, &milliseconds);
@@ -166,6 +169,9 @@ void add_frame(const Setup& setup, const std::vector<double>& truth) {
     const double difference = largest_difference(candidate.points(), truth);
     if (!(difference <= tolerance_for(setup.model.positions).in_float))
         setup.fail_verification("the frame", difference);
+    setup.session.report.add_finding(format(
+        "schemes/%s: %.0f faces at level %u; the frame is within %.1e of the size of its rows in double",
+        setup.scheme.name, setup.face_count, setup.level, difference / tolerance_for(setup.model.positions).size));
     Row row = setup.row_of("frame", "limn", Side::limn, measure(setup.options(), candidate.frame, {}, kRepetitions));
     row.bytes = static_cast<double>(candidate.bytes);
     row.flops = candidate.flops;
@@ -202,7 +208,8 @@ void bench_scheme(Setup setup) {
 
 void bench_schemes(const Session& session) {
     const auto evaluator = value_or_fail(session.options, vk::Evaluator::create(session.machines.device()));
-    const BenchModel quads = make_smooth_torus("torus_1k", kModelFaces), triangles = triangulated(quads);
+    const BenchModel quads = make_smooth_torus("torus_1k", kModelFaces),
+                     triangles = triangulated(make_smooth_torus("torus_1k", kModelFaces / 2));
     for (const SubdivisionScheme& scheme : subdivision_schemes())
         bench_scheme({session, evaluator, scheme, scheme.faces == FaceKind::triangles ? triangles : quads});
 }

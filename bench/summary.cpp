@@ -91,9 +91,8 @@ std::vector<SummaryLine> summarize(const ReportData& data) {
 
 void print_summary(const ReportData& data) {
     std::printf(
-        "\nHow many times faster limn is than the best of OpenSubdiv and than the best plain loop: geometric "
-        "mean "
-        "(least..most).\ncache: what a frame of limn's touches, against the last level of the cache");
+        "\nHow many times faster limn is than the best of OpenSubdiv (in schemes: of CGAL and OpenMesh) and than "
+        "the best plain loop: geometric mean (least..most).\ncache: what a frame of limn's touches, against the last level of the cache");
     std::puts(data.cache_bytes != 0
                   ? format(", %.4g MiB.", static_cast<double>(data.cache_bytes) / (1 << 20)).c_str()
                   : ", whose size is unknown.");

@@ -24,8 +24,8 @@ bool begins_with(const Array<T>& longer, const Array<T>& array, size_t count) {
            std::equal(array.begin(), array.begin() + count, longer.begin());
 }
 
-/// The mesh alone, and with a book of three pages behind it, which only the general way takes: what belongs to the mesh
-/// is the same.
+/// The mesh alone, and with a book of three pages behind it, which only the general way takes: what belongs
+/// to the mesh is the same.
 void expect_same(const TestMesh& shape) {
     TestMesh more = shape;
     append(more, make_book(3, shape.options.scheme == Scheme::loop));
@@ -58,7 +58,8 @@ TEST(Topology, ManifoldsAreBuiltAsAllMeshesAre) {
     }
 }
 
-/// Faces that each fit, but no manifold: more than one edge from a vertex to another, a face at itself, two fans.
+/// Faces that each fit, but no manifold: more than one edge from a vertex to another, a face at itself, two
+/// fans.
 TEST(Topology, WhatOnlyLooksLikeAFanIsNoManifold) {
     TestMesh bowtie;
     for (uint32_t i = 0; i < 5; ++i) bowtie.add_vertex(i, i * i, 0);

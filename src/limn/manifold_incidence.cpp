@@ -20,8 +20,8 @@ struct Fan {
 
     /// Whether no two edges go to the same vertex.
     bool is_simple() const {
-        for (size_t i = 1; i < next.size(); ++i)
-            if (std::find(next.begin(), next.begin() + i, next[i]) != next.begin() + i) return false;
+        for (auto edge = next.begin(); edge != next.end(); ++edge)
+            if (std::find(next.begin(), edge, *edge) != edge) return false;
         return true;
     }
     /// Where the fan begins: at its boundary, or anywhere.

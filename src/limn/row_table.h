@@ -19,8 +19,12 @@ inline void merge_repeated(Row& row) {
         std::stable_sort(row.begin(), row.end(),
                          [](const RowEntry& a, const RowEntry& b) { return a.index < b.index; });
     size_t out = 0;
+    uint64_t seen = 0;  // a bit for each remainder of indices: nearly all entries are known to be new by it
     for (const RowEntry& entry : row) {
-        size_t k = row.size() > kLong && out > 0 ? out - 1 : 0;
+        const uint64_t bit = uint64_t{1} << entry.index % 64;
+        const bool is_new = (seen & bit) == 0;
+        seen |= bit;
+        size_t k = is_new ? out : row.size() > kLong && out > 0 ? out - 1 : 0;
         while (k < out && row[k].index != entry.index) ++k;
         if (k < out)
             row[k].weight += entry.weight;

@@ -9,29 +9,6 @@
 namespace limn {
 namespace {
 
-void copy_faces(const ControlMesh& mesh, Topology& t, const BuildPart& part) {
-    t.vertex_count = mesh.vertex_count;
-    t.face_count = mesh.face_count();
-    const auto corners = static_cast<uint32_t>(mesh.face_vertices.size());
-    t.face_vertices.allocate(corners);
-    std::copy(mesh.face_vertices.begin(), mesh.face_vertices.end(), t.face_vertices.begin());
-    bool uniform = true;
-    const uint32_t size = mesh.face_offsets[1];
-    for (uint32_t f = 0; uniform && f < t.face_count; ++f)
-        uniform = mesh.face_offsets[f + 1] - mesh.face_offsets[f] == size;
-    if (uniform && (size == 3 || size == 4)) {
-        t.face_size = size;
-        return;
-    }
-    t.face_offsets.allocate(mesh.face_offsets.size());
-    std::copy(mesh.face_offsets.begin(), mesh.face_offsets.end(), t.face_offsets.begin());
-    t.corner_faces.allocate(corners);
-    for_each_index(t.face_count, part, [&](uint32_t f) {
-        std::fill(t.corner_faces.begin() + t.face_offsets[f], t.corner_faces.begin() + t.face_offsets[f + 1],
-                  f);
-    });
-}
-
 /// For each corner, the corner at which its edge appears first; edges[c] == c where an edge is new. Corners
 /// of one vertex pair join the pair's first edge, unless that edge's latest face is their own: then they
 /// start another one. `non_manifold` marks first corners of edges that join more than two faces, faces of
@@ -237,19 +214,55 @@ void build_half_edge_sharpness(Topology& t, const BuildPart& part) {
     });
 }
 
+void index_faces(Topology& t, const BuildPart& part) {
+    bool uniform = true;
+    const uint32_t size = t.face_count != 0 ? t.face_offsets[1] : 0;
+    for (uint32_t f = 0; uniform && f < t.face_count; ++f)
+        uniform = t.face_offsets[f + 1] - t.face_offsets[f] == size;
+    if (uniform && (size == 3 || size == 4)) {
+        t.face_size = size;
+        t.face_offsets = {};
+        return;
+    }
+    t.corner_faces.allocate(t.corner_count());
+    for_each_index(t.face_count, part, [&](uint32_t f) {
+        std::fill(t.corner_faces.begin() + t.face_offsets[f], t.corner_faces.begin() + t.face_offsets[f + 1],
+                  f);
+    });
+}
+
+namespace {
+
+/// Edges and stars of its faces.
+void connect_faces(Topology& t, Array<uint8_t>& non_manifold_edges, const BuildPart& part) {
+    if (!build_manifold_incidence(t, part.part(0, 0.95f)))
+        return build_any_incidence(t, non_manifold_edges, part);
+    t.vertex_manifold.allocate(t.vertex_count);
+    for_each_index(t.vertex_count, part.part(0.95f, 1),
+                   [&](uint32_t v) { t.vertex_manifold[v] = !t.corners_of_vertex(v).empty(); });
+    non_manifold_edges.assign(t.edge_count, 0);
+}
+
+}  // namespace
+
 Topology build_connectivity(const ControlMesh& mesh, Array<uint8_t>& non_manifold_edges, const BuildPart& part) {
     Topology t;
     t.options = mesh.options;
-    copy_faces(mesh, t, part.part(0, 0.05f));
-    if (build_manifold_incidence(t, part.part(0.05f, 0.95f))) {
-        t.vertex_manifold.allocate(t.vertex_count);
-        for_each_index(t.vertex_count, part.part(0.95f, 1),
-                       [&](uint32_t v) { t.vertex_manifold[v] = !t.corners_of_vertex(v).empty(); });
-        non_manifold_edges.assign(t.edge_count, 0);
-    } else {
-        build_any_incidence(t, non_manifold_edges, part.part(0.05f, 1));
-    }
+    t.vertex_count = mesh.vertex_count;
+    t.face_count = mesh.face_count();
+    t.face_offsets.allocate(mesh.face_offsets.size());
+    std::copy(mesh.face_offsets.begin(), mesh.face_offsets.end(), t.face_offsets.begin());
+    t.face_vertices.allocate(mesh.face_vertices.size());
+    std::copy(mesh.face_vertices.begin(), mesh.face_vertices.end(), t.face_vertices.begin());
+    index_faces(t, part.part(0, 0.05f));
+    connect_faces(t, non_manifold_edges, part.part(0.05f, 1));
     return t;
+}
+
+void complete_topology(const ControlMesh& tags, Topology& t, const BuildPart& part) {
+    Array<uint8_t> non_manifold_edges;
+    connect_faces(t, non_manifold_edges, part.part(0, 0.85f));
+    assign_sharpness(tags, t, non_manifold_edges, part.part(0.85f, 1));
 }
 
 Topology build_topology(const ControlMesh& mesh, const BuildPart& part) {

@@ -35,6 +35,12 @@ void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t
     for_each_in_order(count, part.part(0.4f, 1), [&](uint32_t i) { members[cursor[key(i)]++] = i; });
 }
 
+/// A topology in the making has options, vertex_count, face_count, face_offsets and face_vertices. This finds face_size
+/// or corner_faces.
+void index_faces(Topology& t, const BuildPart& part = {});
+/// Then this the rest, with the creases, corners and holes of `tags`.
+void complete_topology(const ControlMesh& tags, Topology& t, const BuildPart& part = {});
+
 /// Edges and stars from face_vertices. `first[c]` is the corner at which corner c's edge appears first; edges
 /// are numbered in that order. Stars come in corner and edge order.
 void build_incidence(Topology& t, const Array<uint32_t>& first, const BuildPart& part = {});

@@ -4,57 +4,12 @@
 #include <cassert>
 #include <utility>
 
-#include "limn/parallel.h"
+#include "limn/schemes/child_faces.h"
 #include "limn/schemes/star.h"
 #include "limn/topology_build.h"
 
 namespace limn {
 namespace {
-
-/// Points and faces of a child in the making.
-class ChildFaces {
-  public:
-    explicit ChildFaces(SplitMesh& split) : split_(split) {}
-
-    /// `parents` empty: one point for each of `count` elements. The number of the first point.
-    uint32_t add_points(Origin origin, uint32_t count, const std::vector<uint32_t>& parents = {}) {
-        PointBlock block{origin, points_, count, {}};
-        block.parents.allocate(parents.size());
-        std::copy(parents.begin(), parents.end(), block.parents.begin());
-        split_.blocks.push_back(std::move(block));
-        points_ += count;
-        return points_ - count;
-    }
-    void reserve(size_t faces, size_t corners) {
-        offsets_.reserve(faces + 1);
-        vertices_.reserve(corners);
-    }
-    uint32_t begin_face() const { return static_cast<uint32_t>(offsets_.size()) - 1; }
-    void add_corner(uint32_t vertex) { vertices_.push_back(vertex); }
-    void end_face() { offsets_.push_back(static_cast<uint32_t>(vertices_.size())); }
-    void add_face(std::initializer_list<uint32_t> vertices) {
-        for (const uint32_t v : vertices) add_corner(v);
-        end_face();
-    }
-    void finish(const Topology& parent, bool full, const BuildPart& part) {
-        split_.child =
-            topology_of_faces(parent.options, points_, std::move(offsets_), std::move(vertices_), full, part);
-        if (full && !part.is_cancelled()) keep_fixed_corners(parent);
-    }
-
-  private:
-    /// Corners are vertices with one face in the control mesh, whatever meets there later.
-    void keep_fixed_corners(const Topology& parent) {
-        for (const PointBlock& block : split_.blocks)
-            for (uint32_t i = 0; block.origin == Origin::vertex && i < block.count; ++i)
-                if (is_fixed_corner(parent, block.parent(i)))
-                    split_.child.vertex_rules[block.first + i] = VertexRule::corner;
-    }
-
-    SplitMesh& split_;
-    uint32_t points_ = 0;
-    std::vector<uint32_t> offsets_ = {0}, vertices_;
-};
 
 /// Numbers of the points of boundary edge ends, two for each boundary edge.
 class BoundaryPoints {
@@ -99,15 +54,20 @@ void split_primal(const Stage& parent, SplitKind kind, bool full, SplitMesh& out
     child.add_points(Origin::edge, p.edge_count);
 }
 
+void add_corners_of_face(const Topology& p, uint32_t f, FaceWriter& out) {
+    for (uint32_t c = p.face_begin(f); c < p.face_begin(f) + p.size_of_face(f); ++c) out.add_corner(c);
+    out.end_face();
+}
+
 /// Faces of the corner split around vertices: their corners and, on a boundary that is kept, edge ends and fixed
 /// corners.
-void add_vertex_face(const Topology& p, uint32_t v, const BoundaryPoints* boundary, uint32_t fixed, ChildFaces& child) {
+void add_vertex_face(const Topology& p, uint32_t v, const BoundaryPoints* boundary, uint32_t fixed, FaceWriter& out) {
     const auto edges = p.edges_of_vertex(v);
-    if (boundary != nullptr) child.add_corner(boundary->point(edges.front(), v));
-    for (const uint32_t c : p.corners_of_vertex(v)) child.add_corner(c);
-    if (boundary != nullptr) child.add_corner(boundary->point(edges.back(), v));
-    if (fixed != kInvalidIndex) child.add_corner(fixed);
-    child.end_face();
+    if (boundary != nullptr) out.add_corner(boundary->point(edges.front(), v));
+    for (const uint32_t c : p.corners_of_vertex(v)) out.add_corner(c);
+    if (boundary != nullptr) out.add_corner(boundary->point(edges.back(), v));
+    if (fixed != kInvalidIndex) out.add_corner(fixed);
+    out.end_face();
 }
 
 /// Doo and Sabin 1978. Boundaries: none shrinks; else each edge keeps two points, the boundary is cut like a
@@ -128,46 +88,41 @@ void split_corners(const Stage& parent, bool full, SplitMesh& out, const BuildPa
         uint32_t next = child.add_points(Origin::vertex, static_cast<uint32_t>(fixed.size()), fixed);
         for (const uint32_t v : fixed) fixed_point[v] = next++;
     }
-    child.reserve(size_t{p.face_count} + p.edge_count + p.vertex_count, size_t{4} * p.corner_count());
-    for (uint32_t f = 0; f < p.face_count; ++f) {
-        for (uint32_t c = p.face_begin(f); c < p.face_begin(f) + p.size_of_face(f); ++c) child.add_corner(c);
-        child.end_face();
-    }
-    for (uint32_t e = 0; e < p.edge_count; ++e) {
+    out.face_of_vertex.assign(p.vertex_count, kInvalidIndex);
+    auto add_edge_face = [&](uint32_t e, FaceWriter& faces) {
         const auto at = p.corners_of_edge(e);
         if (at.size() == 2)
-            child.add_face({p.next_corner(at[0]), at[0], p.next_corner(at[1]), at[1]});
+            faces.add_face({p.next_corner(at[0]), at[0], p.next_corner(at[1]), at[1]});
         else if (!shrinks)
-            child.add_face({p.next_corner(at[0]), at[0], boundary.point(e, p.face_vertices[at[0]]),
+            faces.add_face({p.next_corner(at[0]), at[0], boundary.point(e, p.face_vertices[at[0]]),
                             boundary.point(e, end_vertex(p, at[0]))});
-    }
-    out.face_of_vertex.assign(p.vertex_count, kInvalidIndex);
-    for (uint32_t v = 0; v < p.vertex_count; ++v) {
+    };
+    auto add_face_at = [&](uint32_t v, FaceWriter& faces) {
         const bool inside = !is_boundary_vertex(p, v);
-        if (face_valence(p, v) == 0 || (shrinks && !inside)) continue;
-        out.face_of_vertex[v] = child.begin_face();
-        add_vertex_face(p, v, inside ? nullptr : &boundary, fixed_point[v], child);
-    }
-    child.finish(p, full, part);
+        if (face_valence(p, v) == 0 || (shrinks && !inside)) return;
+        out.face_of_vertex[v] = faces.begin_face();
+        add_vertex_face(p, v, inside ? nullptr : &boundary, fixed_point[v], faces);
+    };
+    child.build(p, p.face_count + p.edge_count + p.vertex_count, full, part, [&](uint32_t i, FaceWriter& faces) {
+        if (i < p.face_count) return add_corners_of_face(p, i, faces);
+        i -= p.face_count;
+        return i < p.edge_count ? add_edge_face(i, faces) : add_face_at(i - p.edge_count, faces);
+    });
 }
 
 void split_midpoints(const Stage& parent, bool full, SplitMesh& out, const BuildPart& part) {
     const Topology& p = parent.topology;
     ChildFaces child(out);
     child.add_points(Origin::edge, p.edge_count);
-    child.reserve(size_t{p.face_count} + p.vertex_count, size_t{2} * p.corner_count());
-    for (uint32_t f = 0; f < p.face_count; ++f) {
-        for (const uint32_t e : p.edges_of_face(f)) child.add_corner(e);
-        child.end_face();
-    }
     out.face_of_vertex.assign(p.vertex_count, kInvalidIndex);
-    for (uint32_t v = 0; v < p.vertex_count; ++v) {
-        if (face_valence(p, v) < 3 || is_boundary_vertex(p, v)) continue;
-        out.face_of_vertex[v] = child.begin_face();
-        for (const uint32_t e : p.edges_of_vertex(v)) child.add_corner(e);
-        child.end_face();
-    }
-    child.finish(p, full, part);
+    child.build(p, p.face_count + p.vertex_count, full, part, [&](uint32_t i, FaceWriter& faces) {
+        const bool is_face = i < p.face_count;
+        const uint32_t v = i - p.face_count;
+        if (!is_face && (face_valence(p, v) < 3 || is_boundary_vertex(p, v))) return;
+        if (!is_face) out.face_of_vertex[v] = faces.begin_face();
+        for (const uint32_t e : is_face ? p.edges_of_face(i) : p.edges_of_vertex(v)) faces.add_corner(e);
+        faces.end_face();
+    });
 }
 
 /// Kobbelt 2000. Each second step boundary edges are cut in three; their triangles have no face point then, but a
@@ -176,13 +131,15 @@ void split_sqrt3(const Stage& parent, bool full, SplitMesh& out, const BuildPart
     const Topology& p = parent.topology;
     const bool trisect = parent.step % 2 == 1;
     BoundaryPoints boundary(p);
-    std::vector<uint32_t> faces, face_point(p.face_count, kInvalidIndex);
+    std::vector<uint32_t> split_faces, face_point(p.face_count, kInvalidIndex);
     for (uint32_t f = 0; f < p.face_count; ++f)
-        if (!trisect || boundary_corner(p, f) == kInvalidIndex) faces.push_back(f);
+        if (!trisect || boundary_corner(p, f) == kInvalidIndex) split_faces.push_back(f);
     ChildFaces child(out);
     child.add_points(Origin::vertex, p.vertex_count);
-    uint32_t next = child.add_points(Origin::face, static_cast<uint32_t>(faces.size()), faces);
-    for (const uint32_t f : faces) face_point[f] = next++;
+    const auto count = static_cast<uint32_t>(split_faces.size());
+    uint32_t next = count == p.face_count ? child.add_points(Origin::face, count)
+                                          : child.add_points(Origin::face, count, split_faces);
+    for (const uint32_t f : split_faces) face_point[f] = next++;
     if (trisect)
         boundary.set_first(
             child.add_points(Origin::edge_end, static_cast<uint32_t>(boundary.ends().size()), boundary.ends()));
@@ -193,20 +150,18 @@ void split_sqrt3(const Stage& parent, bool full, SplitMesh& out, const BuildPart
         const uint32_t cut = boundary_corner(p, f), e = p.face_edges[cut];
         return boundary.point(e, c == p.next_corner(cut) ? end_vertex(p, cut) : p.face_vertices[cut]);
     };
-    child.reserve(size_t{3} * p.face_count, size_t{9} * p.face_count);
-    for (uint32_t e = 0; e < p.edge_count; ++e) {
+    child.build(p, p.edge_count, full, part, [&](uint32_t e, FaceWriter& faces) {
         const auto at = p.corners_of_edge(e);
         const uint32_t a = p.face_vertices[at[0]], b = end_vertex(p, at[0]);
         if (at.size() == 2) {
-            child.add_face({a, point(at[1]), point(at[0])});
-            child.add_face({b, point(at[0]), point(at[1])});
+            faces.add_face({a, point(at[1]), point(at[0])});
+            faces.add_face({b, point(at[0]), point(at[1])});
         } else if (trisect) {
-            child.add_face({boundary.point(e, a), boundary.point(e, b), p.face_vertices[p.previous_corner(at[0])]});
+            faces.add_face({boundary.point(e, a), boundary.point(e, b), apex_vertex(p, at[0])});
         } else {
-            child.add_face({a, b, point(at[0])});
+            faces.add_face({a, b, point(at[0])});
         }
-    }
-    child.finish(p, full, part);
+    });
 }
 
 /// Velho and Zorin 2001 (their blocks), Li, Ma and Bao 2004. Boundary edges make half blocks, triangles, whose point of
@@ -217,17 +172,15 @@ void split_sqrt2(const Stage& parent, bool full, SplitMesh& out, const BuildPart
     ChildFaces child(out);
     child.add_points(Origin::vertex, p.vertex_count);
     const uint32_t first = child.add_points(Origin::face, p.face_count);
-    child.reserve(p.edge_count, size_t{4} * p.edge_count);
-    for (uint32_t e = 0; e < p.edge_count; ++e) {
+    child.build(p, p.edge_count, full, part, [&](uint32_t e, FaceWriter& faces) {
         const auto at = p.corners_of_edge(e);
         const uint32_t a = p.face_vertices[at[0]], b = end_vertex(p, at[0]);
         const uint32_t left = first + p.face_of_corner(at[0]);
         if (at.size() == 2)
-            child.add_face({a, first + p.face_of_corner(at[1]), b, left});
+            faces.add_face({a, first + p.face_of_corner(at[1]), b, left});
         else if (!halves)
-            child.add_face({a, b, left});
-    }
-    child.finish(p, full, part);
+            faces.add_face({a, b, left});
+    });
 }
 
 /// The dual of sqrt3: p(edge, face) for both faces of an edge. Boundary vertices get no face.
@@ -235,22 +188,18 @@ void split_hexagons(const Stage& parent, bool full, SplitMesh& out, const BuildP
     const Topology& p = parent.topology;
     ChildFaces child(out);
     child.add_points(Origin::corner, p.corner_count());
-    child.reserve(size_t{p.face_count} + p.vertex_count, size_t{3} * p.corner_count());
-    for (uint32_t f = 0; f < p.face_count; ++f) {
-        for (uint32_t c = p.face_begin(f); c < p.face_begin(f) + p.size_of_face(f); ++c) child.add_corner(c);
-        child.end_face();
-    }
     out.face_of_vertex.assign(p.vertex_count, kInvalidIndex);
-    for (uint32_t v = 0; v < p.vertex_count; ++v) {
-        if (face_valence(p, v) < 2 || is_boundary_vertex(p, v)) continue;
-        out.face_of_vertex[v] = child.begin_face();
+    child.build(p, p.face_count + p.vertex_count, full, part, [&](uint32_t i, FaceWriter& faces) {
+        if (i < p.face_count) return add_corners_of_face(p, i, faces);
+        const uint32_t v = i - p.face_count;
+        if (face_valence(p, v) < 2 || is_boundary_vertex(p, v)) return;
+        out.face_of_vertex[v] = faces.begin_face();
         for (const uint32_t c : p.corners_of_vertex(v)) {
-            child.add_corner(c);
-            child.add_corner(p.previous_corner(c));
+            faces.add_corner(c);
+            faces.add_corner(p.previous_corner(c));
         }
-        child.end_face();
-    }
-    child.finish(p, full, part);
+        faces.end_face();
+    });
 }
 
 /// Boundary edges become vertices, too, so that boundaries are averaged like curves.
@@ -262,19 +211,17 @@ void split_dual(const Stage& parent, bool full, SplitMesh& out, const BuildPart&
     child.add_points(Origin::face, p.face_count);
     uint32_t next = child.add_points(Origin::edge, static_cast<uint32_t>(edges.size()), edges);
     for (const uint32_t e : edges) edge_point[e] = next++;
-    child.reserve(p.vertex_count, p.corner_count() + edges.size() * 2);
     out.face_of_vertex.assign(p.vertex_count, kInvalidIndex);
-    for (uint32_t v = 0; v < p.vertex_count; ++v) {
+    child.build(p, p.vertex_count, full, part, [&](uint32_t v, FaceWriter& faces) {
         const bool boundary = is_boundary_vertex(p, v);
         const auto around = p.edges_of_vertex(v);
-        if (face_valence(p, v) < (boundary ? 1u : 3u)) continue;
-        out.face_of_vertex[v] = child.begin_face();
-        if (boundary) child.add_corner(edge_point[around.front()]);
-        for (const uint32_t c : p.corners_of_vertex(v)) child.add_corner(p.face_of_corner(c));
-        if (boundary) child.add_corner(edge_point[around.back()]);
-        child.end_face();
-    }
-    child.finish(p, full, part);
+        if (face_valence(p, v) < (boundary ? 1u : 3u)) return;
+        out.face_of_vertex[v] = faces.begin_face();
+        if (boundary) faces.add_corner(edge_point[around.front()]);
+        for (const uint32_t c : p.corners_of_vertex(v)) faces.add_corner(p.face_of_corner(c));
+        if (boundary) faces.add_corner(edge_point[around.back()]);
+        faces.end_face();
+    });
 }
 
 }  // namespace
@@ -283,27 +230,20 @@ void show_all_faces(Topology& t) {
     std::fill(t.face_holes.begin(), t.face_holes.end(), uint8_t{0});
 }
 
-Topology topology_of_faces(const SchemeOptions& options, uint32_t vertex_count, std::vector<uint32_t> face_offsets,
-                           std::vector<uint32_t> face_vertices, bool full, const BuildPart& part) {
-    ControlMesh mesh;
-    mesh.options = options;
-    mesh.vertex_count = vertex_count;
-    mesh.face_offsets = std::move(face_offsets);
-    mesh.face_vertices = std::move(face_vertices);
+Topology topology_of_faces(const SchemeOptions& options, uint32_t vertex_count, Array<uint32_t> face_offsets,
+                           Array<uint32_t> face_vertices, bool full, const BuildPart& part) {
     Topology t;
-    if (full) {
-        t = build_topology(mesh, part);
-        if (!part.is_cancelled()) show_all_faces(t);
-        return t;
-    }
     t.options = options;
     t.vertex_count = vertex_count;
-    t.face_count = mesh.face_count();
-    t.face_offsets.allocate(mesh.face_offsets.size());
-    std::copy(mesh.face_offsets.begin(), mesh.face_offsets.end(), t.face_offsets.begin());
-    t.face_vertices.allocate(mesh.face_vertices.size());
-    std::copy(mesh.face_vertices.begin(), mesh.face_vertices.end(), t.face_vertices.begin());
-    t.face_holes.assign(t.face_count, 0);
+    t.face_count = static_cast<uint32_t>(face_offsets.size()) - 1;
+    t.face_offsets = std::move(face_offsets);
+    t.face_vertices = std::move(face_vertices);
+    index_faces(t, part.part(0, 0.1f));
+    if (full)
+        complete_topology({}, t, part.part(0.1f, 1));
+    else
+        t.face_holes.allocate(t.face_count);
+    if (!part.is_cancelled()) show_all_faces(t);
     return t;
 }
 

@@ -45,8 +45,8 @@ Element child_element(SplitKind kind, const SplitMesh& split, Element element);
 /// Boundary option `none` hides no faces of schemes that have no such rule.
 void show_all_faces(Topology& t);
 
-/// The topology of faces alone, nothing sharp but boundaries, nothing hidden.
-Topology topology_of_faces(const SchemeOptions& options, uint32_t vertex_count, std::vector<uint32_t> face_offsets,
-                           std::vector<uint32_t> face_vertices, bool full, const BuildPart& part = {});
+/// The topology of faces alone, nothing sharp but boundaries, nothing hidden; without edges and stars unless `full`.
+Topology topology_of_faces(const SchemeOptions& options, uint32_t vertex_count, Array<uint32_t> face_offsets,
+                           Array<uint32_t> face_vertices, bool full, const BuildPart& part = {});
 
 }  // namespace limn
