@@ -32,6 +32,7 @@ set(scheme_test_files
     tests/schemes/scheme_goldens_test.cpp
     tests/schemes/quad_schemes_test.cpp
     tests/schemes/nurss_test.cpp
+    tests/schemes/t_mesh_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp
