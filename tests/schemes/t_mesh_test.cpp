@@ -129,7 +129,7 @@ std::vector<GridPoint> grid_points(const TTorus& torus, const ControlMesh& mesh)
             auto step = [](int from, int to) { return wrapped(to - from + 1) - 1; };
             const int du = step(corner(0)[0], corner(1)[0]), dv = step(corner(0)[1], corner(1)[1]);
             EXPECT_EQ(std::abs(du) + std::abs(dv), 1);
-            for (const size_t i : {1, 0}) {  // to the left
+            for (const size_t i : {size_t{1}, size_t{0}}) {  // to the left
                 const GridPoint to = {wrapped(corner(i)[0] - dv), wrapped(corner(i)[1] + du)};
                 GridPoint& known = corner(3 - i);
                 EXPECT_TRUE(known == kUnknown || known == to);
@@ -219,6 +219,31 @@ TEST(TMesh, IrregularVerticesNeedRoom) {
     }
     EXPECT_GT(converted_count, 10u);
     EXPECT_GT(refused_count, 10u);
+}
+
+/// A torus of 3 x 3 quads, cut and glued again a little further on: lines that go round and round.
+TEST(TMesh, LinesThatNeverMeetAreAnError) {
+    const double shift = std::sqrt(0.1);
+    RefinedMesh mesh;  // below the seam: vertices 0 to 2; above it 3 to 5, on the same line; then two rows
+    mesh.points.resize(3 * 12);
+    std::vector<uint8_t> straight;
+    std::vector<double> intervals;
+    for (uint32_t i = 0; i < 3; ++i) {
+        const uint32_t next = (i + 1) % 3;
+        mesh.face_sizes.insert(mesh.face_sizes.end(), {5, 4, 5});
+        mesh.face_vertices.insert(mesh.face_vertices.end(), {3 + i, i, 3 + next, 6 + next, 6 + i});
+        straight.insert(straight.end(), {0, 1, 0, 0, 0});
+        intervals.insert(intervals.end(), {shift, 1 - shift, 1, 1, 1});
+        mesh.face_vertices.insert(mesh.face_vertices.end(), {6 + i, 6 + next, 9 + next, 9 + i});
+        straight.insert(straight.end(), {0, 0, 0, 0});
+        intervals.insert(intervals.end(), {1, 1, 1, 1});
+        mesh.face_vertices.insert(mesh.face_vertices.end(), {9 + i, 9 + next, next, 3 + next, i});
+        straight.insert(straight.end(), {0, 0, 0, 1, 0});
+        intervals.insert(intervals.end(), {1, 1, shift, 1 - shift, 1});
+    }
+    const auto converted = convert_t_mesh(control_mesh_of(mesh), straight, intervals);
+    ASSERT_FALSE(converted);
+    EXPECT_EQ(converted.error().code, ErrorCode::too_large);
 }
 
 TEST(TMesh, BadInputIsAnError) {

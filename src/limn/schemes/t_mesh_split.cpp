@@ -108,14 +108,14 @@ class TMeshSplitter {
 
     /// Cuts a side where a vertex lies opposite. Whether it did.
     bool copy_cuts(uint32_t f, uint32_t side) {
-        const double length = side_length(f, side);
+        const double length = side_length(f, side), tolerance = kTolerance * length;
+        const auto own = side_points(f, side);  // ascending; new ones lie apart from each other as they do opposite
         bool changed = false;
         for (const SidePoint& opposite : side_points(f, (side + 2) % 4)) {
             const double position = length - opposite.position;
-            const auto own = side_points(f, side);
-            if (std::any_of(own.begin(), own.end(),
-                            [&](const SidePoint& p) { return std::abs(p.position - position) <= kTolerance * length; }))
-                continue;
+            const auto near = std::lower_bound(own.begin(), own.end(), position - tolerance,
+                                               [](const SidePoint& p, double x) { return p.position < x; });
+            if (near != own.end() && near->position <= position + tolerance) continue;
             cut_side(f, side, position);
             changed = true;
         }
