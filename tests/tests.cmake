@@ -46,6 +46,7 @@ set(scheme_test_files
     tests/schemes/nurss_test.cpp
     tests/schemes/scheme_limit_test.cpp
     tests/schemes/scheme_samples_test.cpp
+    tests/schemes/t_mesh_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp

@@ -1,4 +1,4 @@
-// Schemes on quads against closed forms: each other, curves, and masks by valence (scheme_checks.json).
+// Schemes against closed forms: each other, curves, eigenvalues, and masks by valence (scheme_checks.json).
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -332,6 +332,56 @@ TEST(PiecewiseSmooth, CrossTangents) {
             }
             EXPECT_LT((tangent * step.matrix - tangent / 2).cwiseAbs().maxCoeff(), 1e-13) << triangles << k;
         }
+}
+
+std::vector<double> refine_creased(const RefinedMesh& mesh, const char* name, const std::vector<uint32_t>& chain,
+                                   float sharpness) {
+    ControlMeshDescription description;
+    description.options.boundary = BoundaryInterpolation::edge_and_corner;
+    description.vertex_count = mesh.vertex_count();
+    description.face_sizes = mesh.face_sizes;
+    description.face_vertices = mesh.face_vertices;
+    const auto size = static_cast<uint32_t>(chain.size());
+    description.crease_sizes = {&size, size == 0 ? 0u : 1u};
+    description.crease_vertices = chain;
+    description.crease_sharpness = {&sharpness, size == 0 ? 0u : 1u};
+    const auto control = ControlMesh::create(description);
+    EXPECT_TRUE(control);
+    const auto refined = build_scheme_refinement<double>(*control, scheme_of(name), {3});
+    EXPECT_TRUE(refined);
+    std::vector<double> points = mesh.points;
+    for (const auto& table : refined->tables) {
+        std::vector<double> next(size_t{3} * table.row_count());
+        apply_stencil_table<double>(table, points, next, 3);
+        points = std::move(next);
+    }
+    return points;
+}
+
+/// Both sides of a crease that stays sharp are as if they were alone.
+TEST(PiecewiseSmooth, CreasesAreBoundariesOfBothSides) {
+    const RefinedMesh whole = make_random_grid(7, 4, 11);
+    std::vector<uint32_t> crease;
+    RefinedMesh half = make_random_grid(4, 4, 1);
+    for (uint32_t j = 0; j < 4; ++j) {
+        crease.push_back(7 * j + 3);
+        for (uint32_t i = 0; i < 4; ++i)
+            for (size_t k = 0; k < 3; ++k)
+                half.points[3 * (size_t{4} * j + i) + k] = whole.points[3 * (size_t{7} * j + i) + k];
+    }
+    const auto all = refine_creased(whole, "catmark-blz", crease, kInfiniteSharpness);
+    const auto side = refine_creased(half, "catmark-blz", {}, 0);
+    for (size_t v = 0; v < side.size(); v += 3) EXPECT_LT(distance_to(side.data() + v, all), 1e-13);
+}
+
+/// While a crease does not stay sharp it is Catmull-Clark's and Loop's.
+TEST(PiecewiseSmooth, SemiSharpCreasesAreOrdinary) {
+    for (const bool triangles : {false, true}) {
+        const RefinedMesh mesh = make_irregular_mesh(scheme_of(triangles ? "loop" : "catmark"), false, 12);
+        const std::vector<uint32_t> edge = {mesh.face_vertices[0], mesh.face_vertices[1]};
+        EXPECT_EQ(refine_creased(mesh, triangles ? "loop-blz" : "catmark-blz", edge, 1.6f),
+                  refine_creased(mesh, triangles ? "loop" : "catmark", edge, 1.6f));
+    }
 }
 
 TEST(PiecewiseSmooth, AnglesStayWithTheirCorners) {

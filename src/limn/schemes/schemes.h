@@ -35,10 +35,10 @@ std::span<const Pass> push_back_loop_passes();
 std::span<const Pass> catmull_clark_blz_passes();
 std::span<const Pass> loop_blz_passes();
 std::span<const Pass> catmull_clark_g2_passes();
+std::span<const Pass> loop_g2_passes();
 std::span<const Pass> butterfly_g1_passes();
 std::span<const Pass> nurss_passes();
 std::span<const Pass> nurss_quadratic_passes();
-std::span<const Pass> loop_g2_passes();
 
 // Masks that more than one scheme uses.
 void keep_vertex(const Stage& parent, uint32_t v, Row& row);

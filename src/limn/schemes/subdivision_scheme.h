@@ -58,7 +58,7 @@ enum class FaceKind : uint8_t { polygons, quads, triangles };
 
 /// What a scheme does with sharp edges and vertices. Boundaries are not meant: all schemes have rules for those.
 enum class CreaseRules : uint8_t {
-    none,        ///< not defined: ignored
+    none,        ///< ignored: the literature defines none for relatives of Catmull-Clark and Loop
     semi_sharp,  ///< all of ControlMesh's
 };
 
