@@ -313,7 +313,8 @@ double total_curvature(TestMesh mesh) {
     const LimitSurface limit(mesh.description(), mesh.positions_double(), 3);
     WeightedPlaces places;
     for (uint32_t f = 0; f < limit.table.ptex_surfaces.size(); ++f)
-        mesh.options.scheme == Scheme::loop ? places.add_triangle_face(f, kDepth) : places.add_quad_face(f, kDepth);
+        mesh.options.scheme == Scheme::loop ? places.add_triangle_face(f, kDepth)
+                                            : places.add_quad_face(f, kDepth);
     const auto values = limit.evaluate(places.samples);
     const auto curvatures = limit.curvatures(places.samples);
     double sum = 0;
@@ -331,6 +332,27 @@ TEST(Curvature, adds_up_to_the_euler_characteristic) {
     icosahedron.options.scheme = Scheme::loop;
     EXPECT_NEAR(total_curvature(icosahedron), 2, 1e-6);
     EXPECT_NEAR(total_curvature(make_messy_torus(5, 3, 1)), 0, 1e-4);
+}
+
+TEST(Curvature, of_scaled_and_mirrored_surfaces) {
+    RandomNumbers random(4);
+    for (int round = 0; round < 50; ++round) {
+        const double scale = std::exp2(random.uniform(-8, 8));
+        double values[3][18];  // as it is, scaled, mirrored
+        for (int k = 0; k < 18; ++k) {
+            values[0][k] = random.uniform(-1, 1) + (k == 3 || k == 7 ? 2 : 0);
+            values[1][k] = scale * values[0][k];
+            values[2][k] = values[0][k] * (k % 3 == 2 ? -1 : 1);
+        }
+        Curvature c[3];
+        evaluate_curvature({&values[0][0], 54}, 3, c);
+        const double tolerance = 1e-12 * (std::abs(c[0].first) + std::abs(c[0].second));
+        EXPECT_NEAR(c[1].first * scale, c[0].first, tolerance);
+        EXPECT_NEAR(c[1].second * scale, c[0].second, tolerance);
+        // The normal is on the other side of the mirrored surface.
+        EXPECT_NEAR(c[2].first, -c[0].second, tolerance);
+        EXPECT_NEAR(c[2].mean, -c[0].mean, tolerance);
+    }
 }
 
 TEST(Curvature, of_a_plane_and_of_nothing) {

@@ -180,6 +180,55 @@ TEST_F(Program, writes_curvatures) {
     EXPECT_EQ(run(eval + "--texture -o no.csv").status, 2);
 }
 
+TEST_F(Program, converts_surfaces_to_control_meshes_and_back) {
+    // Two patches beside each other with a crease between them, clamped.
+    std::string surface;
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 7; ++i)
+            surface += "v " + std::to_string(i) + " " + std::to_string(j) + " " + std::to_string((i * i + 3 * j) % 5) + "\n";
+    surface += "cstype bspline\ndeg 3 3\nsurf 0 2 0 1";
+    for (int i = 1; i <= 28; ++i) surface += " " + std::to_string(i);
+    surface += "\nparm u 0 0 0 0 1 1 1 2 2 2 2\nparm v 0 0 0 0 1 1 1 1\nend\n";
+    write("surface.obj", surface);
+    const Outcome outcome = run("nurbs surface.obj -o mesh.obj");
+    ASSERT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_EQ(outcome.output, "mesh.obj: 1 surface in 2 parts, 18 faces\n");
+    // Corners of Bezier patches are control points: (0, 0) and where the patches meet, from both sides.
+    write("samples.csv", "4,0,0\n4,1,0\n13,0,0\n13,1,1\n0,0.5,0.5\n");
+    ASSERT_EQ(run("eval mesh.obj --at samples.csv -o out.csv --device cpu").status, 0);
+    const auto rows = parse_csv(read("out.csv"));
+    ASSERT_EQ(rows.size(), 6u);
+    const double expected[4][3] = {{0, 0, 0}, {3, 0, 4}, {3, 0, 4}, {6, 3, (36 + 9) % 5}};
+    for (size_t r = 0; r < 4; ++r)
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(std::stod(rows[r + 1][3 + c]), expected[r][c], 1e-5) << r;
+    EXPECT_EQ(rows[5].back(), "hole");
+
+    // A mesh of quads in rows, there and back.
+    std::string mesh;
+    for (int j = 0; j < 5; ++j)
+        for (int i = 0; i < 6; ++i) mesh += "v " + std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(i * j % 3) + "\n";
+    for (int j = 0; j < 4; ++j)
+        for (int i = 1; i <= 5; ++i) {
+            const int a = 6 * j + i;
+            mesh += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 7) + " " + std::to_string(a + 6) + "\n";
+        }
+    write("rows.obj", mesh + "t interpolateboundary 1/0/0 0\n");
+    ASSERT_EQ(run("nurbs rows.obj -o rows_surface.obj").output, "rows_surface.obj: a surface of 6 by 5 control points\n");
+    ASSERT_EQ(run("nurbs rows_surface.obj -o rows_again.obj").status, 0);
+    const auto before = read_obj(path("rows.obj")), after = read_obj(path("rows_again.obj"));
+    ASSERT_TRUE(before && after);
+    EXPECT_EQ(before->positions, after->positions);
+    EXPECT_EQ(before->face_vertices, after->face_vertices);
+
+    EXPECT_EQ(run("nurbs cube.obj -o no.obj").status, 1);
+    const std::string rational = surface.substr(0, surface.find('\n')) + " 2" + surface.substr(surface.find('\n'));
+    write("rational.obj", std::string(rational).replace(rational.find("cstype "), 7, "cstype rat "));
+    const Outcome refused = run("nurbs rational.obj -o no.obj");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.errors.find("rational.obj: surface 1: its weights differ"), std::string::npos) << refused.errors;
+    EXPECT_EQ(run("nurbs surface.obj").status, 2);
+}
+
 TEST_F(Program, evaluates_samples_on_the_device_as_on_the_host) {
     std::string samples = "face,u,v\n";
     for (int i = 0; i < 400; ++i)

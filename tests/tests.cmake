@@ -22,6 +22,7 @@ set(test_files
     tests/schemes/curve_test.cpp
     tests/schemes/b_spline_test.cpp
     tests/schemes/spline_mesh_test.cpp
+    tests/schemes/obj_surfaces_test.cpp
     tests/schemes/stam.cpp
     tests/schemes/exact_evaluation_test.cpp
     tests/batch_test.cpp

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     limn::cli::add_bake(program, status);
     limn::cli::add_refine(program, status);
     limn::cli::add_eval(program, status);
+    limn::cli::add_nurbs(program, status);
     limn::cli::add_tessellate(program, status);
     limn::cli::add_check(program, status);
     limn::cli::add_render(program, status);

@@ -85,6 +85,7 @@ void add_info(CLI::App& program, int& status);
 void add_bake(CLI::App& program, int& status);
 void add_refine(CLI::App& program, int& status);
 void add_eval(CLI::App& program, int& status);
+void add_nurbs(CLI::App& program, int& status);
 void add_tessellate(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
 void add_render(CLI::App& program, int& status);

@@ -22,15 +22,15 @@ struct Curvature {
     double first_direction[3], second_direction[3];
 };
 
-/// Derivatives that are no surface's: du and dv of no length, or parallel to 1e-6. All of the result is zero
-/// then. Exactly at an extraordinary vertex, where second derivatives are given as zero, so is every
-/// curvature: beside it they are right, and may grow without bound as it comes closer. Of Catmull-Clark and
-/// Loop surfaces curvature jumps nowhere else but at creases.
-///
 /// The curvature of each sample from its six values, as evaluate_patches (Derivatives::second) gives them:
 /// component i of value k of sample s is values[(s * 6 + k) * width + i]. Width 3; of width 4 they are
-/// homogeneous (x, y and z times a weight, and the weight), divided first. A weight of 0 gives zeros.
-/// Precondition: as many values and curvatures as samples ask for.
+/// homogeneous (x, y and z times a weight, and the weight), divided first. Precondition: values of as many
+/// samples as curvatures.
+///
+/// All of a curvature is zero where there is none: where du and dv have no length or are parallel to 1e-6 (a
+/// sample that is not valid, for one), and where a weight is 0. Exactly at an extraordinary vertex, where
+/// second derivatives are given as zero, curvatures are zero, too; beside it they are right, and may grow
+/// without bound as it comes closer.
 void evaluate_curvature(std::span<const double> values, uint32_t width, std::span<Curvature> curvatures);
 
 }  // namespace limn

@@ -10,15 +10,6 @@
 namespace limn {
 namespace {
 
-/// The last of the knots [degree, point_count) that is not above u and has an interval behind it.
-uint32_t find_span(const KnotVector& k, double u) {
-    const auto first = k.knots.begin() + k.degree, last = k.knots.begin() + k.point_count();
-    // What ends the span: the first knot above u, or where there is none, the first at end().
-    const auto above = u < *last ? std::upper_bound(first + 1, last, std::max(u, *first))
-                                 : std::lower_bound(first + 1, last, *last);
-    return static_cast<uint32_t>(above - k.knots.begin()) - 1;
-}
-
 /// Folds degree + 1 points, those of a span, to the blossom at arguments[0 .. degree), which is then points[0
 /// .. width). span_knots[0] and [1] are the ends of the span; degree - 1 more knots are used at either side.
 void fold(const double* span_knots, uint32_t degree, const double* arguments, double* points,
@@ -40,24 +31,6 @@ void differentiate(const double* span_knots, uint32_t degree, double* points, ui
         const double length = span_knots[i + 1] - span_knots[static_cast<int64_t>(i) - degree + 1];
         double* p = points + size_t{i} * width;
         for (uint32_t c = 0; c < width; ++c) p[c] = degree * (p[width + c] - p[c]) / length;
-    }
-}
-
-/// As evaluate_b_spline, from the degree + 1 points of the span.
-void evaluate_span(const KnotVector& k, uint32_t span, const double* points, uint32_t width, double u,
-                   uint32_t derivative_count, double* out) {
-    const double* span_knots = k.knots.data() + span;
-    std::vector<double> left(points, points + size_t{k.degree + 1} * width), work;
-    const std::vector<double> arguments(k.degree, u);
-    for (uint32_t d = 0; d <= derivative_count; ++d, out += width) {
-        if (d > k.degree) {
-            std::fill_n(out, width, 0.0);
-            continue;
-        }
-        if (d > 0) differentiate(span_knots, k.degree - d + 1, left.data(), width);
-        work = left;
-        fold(span_knots, k.degree - d, arguments.data(), work.data(), width);
-        std::copy_n(work.begin(), width, out);
     }
 }
 
@@ -147,7 +120,7 @@ Result<void> check_knots(const KnotVector& k) {
 KnotVector make_uniform_knots(uint32_t degree, uint32_t point_count) {
     KnotVector out{degree, {}};
     for (uint32_t i = 0; i <= point_count + degree; ++i)
-        out.knots.push_back(double{static_cast<double>(i)} - degree);
+        out.knots.push_back(static_cast<double>(i) - degree);
     return out;
 }
 
@@ -157,13 +130,43 @@ KnotVector make_clamped_knots(uint32_t degree, uint32_t point_count) {
     return out;
 }
 
+uint32_t find_span(const KnotVector& k, double u) {
+    const auto first = k.knots.begin() + k.degree, last = k.knots.begin() + k.point_count();
+    // What ends the span: the first knot above u, or where there is none, the first at end().
+    const auto above = u < *last ? std::upper_bound(first + 1, last, std::max(u, *first))
+                                 : std::lower_bound(first + 1, last, *last);
+    return static_cast<uint32_t>(above - k.knots.begin()) - 1;
+}
+
 void evaluate_b_spline(const KnotVector& k, std::span<const double> points, uint32_t width, double u,
                        uint32_t derivative_count, std::span<double> out) {
     assert(points.size() >= size_t{k.point_count()} * width &&
            out.size() >= (size_t{derivative_count} + 1) * width);
     const uint32_t span = find_span(k, u);
-    evaluate_span(k, span, points.data() + size_t{span - k.degree} * width, width, u, derivative_count,
-                  out.data());
+    evaluate_b_spline_span(k, span, points.subspan(size_t{span - k.degree} * width), width, u,
+                           derivative_count, out);
+}
+
+void evaluate_b_spline_span(const KnotVector& k, uint32_t span, std::span<const double> span_points,
+                            uint32_t width, double u, uint32_t derivative_count, std::span<double> out) {
+    assert(span_points.size() >= (size_t{k.degree} + 1) * width &&
+           out.size() >= (size_t{derivative_count} + 1) * width);
+    const double* span_knots = k.knots.data() + span;
+    std::vector<double> left(span_points.begin(),
+                             span_points.begin() + static_cast<int64_t>((size_t{k.degree} + 1) * width)),
+        work;
+    const std::vector<double> arguments(k.degree, u);
+    for (uint32_t d = 0; d <= derivative_count; ++d) {
+        double* to = out.data() + size_t{d} * width;
+        if (d > k.degree) {
+            std::fill_n(to, width, 0.0);
+            continue;
+        }
+        if (d > 0) differentiate(span_knots, k.degree - d + 1, left.data(), width);
+        work = left;
+        fold(span_knots, k.degree - d, arguments.data(), work.data(), width);
+        std::copy_n(work.begin(), width, to);
+    }
 }
 
 void divide_by_weight(std::span<const double> h, uint32_t width, std::span<double> out) {
@@ -194,7 +197,7 @@ Result<BasicStencilTable<Real>> build_b_spline_table(const KnotVector& k,
         if (!std::isfinite(parameters[r]))
             return Error{ErrorCode::not_finite, "parameter " + std::to_string(r) + " is not finite", r};
         const uint32_t span = find_span(k, parameters[r]);
-        evaluate_span(k, span, units.data(), n, parameters[r], 2, weights.data());
+        evaluate_b_spline_span(k, span, units, n, parameters[r], 2, weights);
         row.entries.clear();
         for (uint32_t i = 0; i < n; ++i)
             row.add(span - k.degree + i, weights[i], weights[n + i], weights[2 * n + i]);

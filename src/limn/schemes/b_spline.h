@@ -48,6 +48,14 @@ KnotVector make_clamped_knots(uint32_t degree, uint32_t point_count);
 void evaluate_b_spline(const KnotVector& knots, std::span<const double> points, uint32_t width, double u,
                        uint32_t derivative_count, std::span<double> out);
 
+/// The span of u: the last knot not above it that has an interval behind it, at most the one before end().
+/// The curve there depends on control points span - degree to span.
+uint32_t find_span(const KnotVector& knots, double u);
+
+/// As evaluate_b_spline, from the degree + 1 points of u's span alone.
+void evaluate_b_spline_span(const KnotVector& knots, uint32_t span, std::span<const double> span_points,
+                            uint32_t width, double u, uint32_t derivative_count, std::span<double> out);
+
 /// A rational point from `width` - 1 numerators and a weight: from value, first and second derivative by u (3
 /// * width numbers, as evaluate_b_spline gives them) those of the quotient (3 * (width - 1) numbers). The
 /// weight must not be 0.

@@ -52,17 +52,22 @@ Result<void> check_surface(const BSplineSurface& s) {
 }
 
 void evaluate_b_spline_surface(const BSplineSurface& s, double u, double v, std::span<double> out) {
-    const size_t width = s.width, columns = s.u.point_count(), rows = s.v.point_count();
+    const size_t width = s.width, columns = s.u.degree + 1;
     assert(out.size() >= 6 * width);
-    // Along v first: three rows of control points, of the value and two derivatives by v.
+    const uint32_t u_span = find_span(s.u, u), v_span = find_span(s.v, v);
+    std::vector<double> net;
+    for (size_t j = v_span - s.v.degree; j <= v_span; ++j) {
+        const auto row =
+            s.points.begin() + static_cast<int64_t>((j * s.u.point_count() + u_span - s.u.degree) * width);
+        net.insert(net.end(), row, row + static_cast<int64_t>(columns * width));
+    }
+    // Along v first: three rows of points, of the value and two derivatives by v.
     std::vector<double> by_v(3 * columns * width), values(3 * width);
-    evaluate_b_spline(s.v, s.points, static_cast<uint32_t>(columns * width), v, 2, by_v);
-    assert(s.points.size() >= rows * columns * width);
-    static_cast<void>(rows);
+    evaluate_b_spline_span(s.v, v_span, net, static_cast<uint32_t>(columns * width), v, 2, by_v);
     constexpr int kPlace[3][3] = {{0, 2, 5}, {1, 4, -1}, {3, -1, -1}};  // of derivative [by u][by v]
     for (size_t dv = 0; dv < 3; ++dv) {
         const std::span row = std::span(by_v).subspan(dv * columns * width, columns * width);
-        evaluate_b_spline(s.u, row, s.width, u, 2, values);
+        evaluate_b_spline_span(s.u, u_span, row, s.width, u, 2, values);
         for (size_t du = 0; du < 3; ++du)
             if (kPlace[du][dv] >= 0)
                 std::copy_n(values.data() + du * width, width,

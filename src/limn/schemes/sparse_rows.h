@@ -28,7 +28,7 @@ struct SparseRow {
     }
 };
 
-/// No rows yet. With tangents they stay empty until the first row, as in any table.
+/// A table without rows.
 inline StencilTableDouble make_empty_table(uint32_t source_count) {
     StencilTableDouble table;
     table.source_count = source_count;

@@ -279,6 +279,10 @@ Result<SplineMesh> build_spline_mesh(const BSplineSurface& surface, const Spline
     return mesh;
 }
 
+StencilTable round_weights(const StencilTableDouble& table) {
+    return convert_table<float>(StencilTableDouble(table));
+}
+
 PatchSample locate_on_spline_mesh(const SplineMesh& mesh, double u, double v) {
     assert(mesh.degree == 3);
     const Along along_u = locate_along(mesh.u, u, mesh.u_closed),

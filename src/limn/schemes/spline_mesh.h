@@ -1,22 +1,20 @@
 // B-spline and NURBS surfaces as control meshes of subdivision surfaces, and back, exactly.
 //
 // A surface whose knots are evenly spaced is what its grid of control points is the control mesh of: of
-// degree 3 Catmull and Clark's, of degree 2 Doo and Sabin's. Which surfaces can be given such knots without
-// changing them, in each direction:
-// - those whose intervals between begin() and end() are whole multiples of one length: knots are inserted
-// until all are equal;
-// - whatever their ends are: clamped, Bezier, or floating. Control points are those of the first and last
-// polynomial,
-//   continued beyond the ends (blossoms), and the outermost faces of the mesh are no part of the surface;
-// - of lower degree than the mesh's, those of a single interval: the degree is raised. So are the parts of
-// surfaces with
-//   knots of full multiplicity (split_at_full_knots), which are Bezier patches: those of circles, cones,
-//   spheres and tori.
-// - closed ones, where the first and last polynomials continue each other: the mesh is closed, too.
-// Which cannot: those with a knot inside that is there more than once (fewer derivatives are continuous there
-// than of any subdivision surface, or none, and then there are parts), and those whose intervals have no
-// common measure. Nor those of higher degree. Rational surfaces are no different: components are homogeneous,
-// divided after evaluation.
+// degree 3 Catmull and Clark's, of degree 2 Doo and Sabin's. Such knots can be given, in each direction, to
+// surfaces
+// - whose intervals between begin() and end() are whole multiples of one length, with simple knots between:
+//   knots are inserted until all intervals are equal;
+// - whatever their ends are, clamped, Bezier or floating: control points are those of the first and the last
+//   polynomial, continued beyond the ends (blossoms), and the outermost faces are no part of the surface;
+// - of lower degree than the mesh's, where there is one interval only: the degree is raised;
+// - that are closed, the last polynomial being continued by the first: the mesh is closed, too.
+//
+// Surfaces with knots of full multiplicity come in parts (split_at_full_knots), which are Bezier patches
+// where all knots are such: circles, cones, spheres and tori. What cannot be converted: intervals without a
+// common measure; knots that are there more than once and yet not fully, as fewer derivatives are continuous
+// there than of the subdivision surface; higher degrees. Rational surfaces are no different: components are
+// homogeneous, divided after evaluation.
 #pragma once
 
 #include "limn/control_mesh.h"
@@ -40,8 +38,8 @@ struct SplineMesh {
     bool u_closed = false, v_closed = false;
     std::vector<uint32_t> face_sizes;  ///< all 4
     std::vector<uint32_t> face_vertices;
-    /// Vertices from the surface's control points: for devices, too, where those move every frame (convert
-    /// weights to float).
+    /// Vertices from the surface's control points: for devices (round_weights), too, where those move every
+    /// frame.
     StencilTableDouble vertices;
     KnotVector u, v;  ///< of the same surface, evenly spaced
 
@@ -55,6 +53,9 @@ struct SplineMesh {
 /// Errors: as check_surface and multiply_directions; invalid_argument (options); unsupported (what cannot be
 /// converted, see above; more than max_intervals).
 Result<SplineMesh> build_spline_mesh(const BSplineSurface& surface, const SplineMeshOptions& options = {});
+
+/// The same rows with weights as devices take them.
+StencilTable round_weights(const StencilTableDouble& table);
 
 /// Where the surface's parameters (u, v) are on a mesh of degree 3: at a sample of evaluate_patches and of
 /// devices. Derivatives there are by units of a face: those of the surface times the distance of knots, in u
