@@ -19,7 +19,9 @@ set(bench_files
     bench/limn_stencils.cpp
     bench/limn_patches.cpp
     bench/patch_samples.cpp
+    bench/limn_osd.cpp
     bench/plain_loops.cpp
+    bench/level_bench.cpp
     bench/patch_bench.cpp
     bench/scenarios.cpp
 )
@@ -37,7 +39,7 @@ find_package(OpenGL COMPONENTS OpenGL EGL)
 add_library(limn_bench STATIC ${bench_files})
 limn_set_compile_options(limn_bench)
 target_include_directories(limn_bench INTERFACE bench)
-target_link_libraries(limn_bench PUBLIC limn_opensubdiv limn_vulkan PRIVATE nlohmann_json::nlohmann_json TBB::tbb)
+target_link_libraries(limn_bench PUBLIC limn_opensubdiv limn_vulkan limn_osd PRIVATE nlohmann_json::nlohmann_json TBB::tbb)
 
 if(TARGET limn_scheme_peers)
     target_link_libraries(limn_bench PRIVATE limn_scheme_peers)

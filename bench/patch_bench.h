@@ -1,6 +1,7 @@
 // What patch_eval_bench and grid_eval_bench share: every candidate is verified at all samples, then timed.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "session.h"
 
 namespace limn::bench {
+
+struct OsdPlaces;
 
 /// One model: candidates run one after the other, so that only one of them takes memory.
 class PatchBench {
@@ -23,9 +26,12 @@ class PatchBench {
     void run(const PatchCandidate& candidate);
     /// A row without times.
     void add_missing(const std::string& name, Side side, const std::string& why);
+    /// OpenSubdiv's patches, and where samples are on them.
+    std::shared_ptr<const OsdPlaces> find_osd_places() const;
     /// OpenSubdiv's evaluators on the host and, where `gl`, its GL evaluator; for points of three floats and
     /// padded to four.
-    void run_osd(bool gl = true);
+    void run_osd(const std::shared_ptr<const OsdPlaces>& places, bool gl = true);
+    void run_osd(bool gl = true) { run_osd(find_osd_places(), gl); }
 
   private:
     /// Largest differences from the truth: of positions, as a share of the mesh's size; and of normals, in

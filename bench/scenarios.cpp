@@ -11,6 +11,7 @@ namespace limn::bench {
     X(stencil_eval, "a frame: control points to the points of levels 2 to 6") \
     X(grid_eval,    "a frame: control points to grids of 4x4, 8x8 and 16x16 samples of each face") \
     X(patch_eval,   "a frame: control points to random samples") \
+    X(osd_interop,  "a frame: OpenSubdiv's own stencils and patches, by limn::osd and by OpenSubdiv") \
     X(tessellate,   "a frame: control points to vertices, triangles and the draw command") \
     X(latency,      "a cube: control points to a grid of 8x8 samples, from submission to fence") \
     X(edit,         "a crease gets another sharpness: from there to the first frame") \

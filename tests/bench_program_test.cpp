@@ -47,7 +47,7 @@ TEST_F(BenchProgram, lists_scenarios) {
     const Outcome outcome = run("bench --list");
     EXPECT_EQ(outcome.status, 0);
     for (const char* name : {"refine ", "patch_table ", "stencil_eval ", "grid_eval ", "patch_eval ",
-                             "tessellate ", "latency ", "edit ", "scaling "})
+                             "osd_interop ", "tessellate ", "latency ", "edit ", "scaling "})
         EXPECT_NE(outcome.output.find(name), std::string::npos) << name;
     EXPECT_EQ(outcome.errors, "");
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <functional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "limn/async_build.h"
+#include "limn/parallel.h"
 #include "limn/patch_tree.h"
 #include "limn/refined_grid.h"
 #include "limn/tessellation_table.h"
@@ -144,6 +146,24 @@ TEST(BuildControl, StopsEveryBuilderAtAnyMoment) {
         EXPECT_FALSE(builder.build(&control));
     }
     EXPECT_GT(cancelled, 0);
+}
+
+TEST(BuildControl, SortsByBlocksWhatOneSortDoes) {
+    const auto less = [](uint64_t a, uint64_t b) { return a < b; };
+    for (const uint32_t count : {0u, 1u, 8192u, 8193u, 16384u, 50000u, 70000u}) {
+        std::vector<uint64_t> items(count);
+        for (uint32_t i = 0; i < count; ++i) items[i] = uint64_t{i} * 2654435761u % 100003;
+        std::vector<uint64_t> expected = items;
+        std::sort(expected.begin(), expected.end());
+        BuildControl control;
+        sort_items(items, &control, less);
+        EXPECT_EQ(items, expected) << count;
+        EXPECT_EQ(control.progress(), 1) << count;
+        control.cancel();
+        std::reverse(items.begin(), items.end());
+        sort_items(items, &control, less);  // comes to an end, in whatever order
+        EXPECT_EQ(items.size(), expected.size());
+    }
 }
 
 TEST(BuildControl, ProgressRisesToOne) {

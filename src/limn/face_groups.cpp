@@ -1,7 +1,5 @@
 #include "limn/face_groups.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <atomic>
 #include <limits>
@@ -47,7 +45,7 @@ Result<Groups> group_faces(const Job& job, const BuildPart& part) {
     Groups groups;
     groups.members.resize(base.face_count);
     std::atomic<size_t> largest_ring{0};
-    for_each_block(base.face_count, part, 256, [&](uint32_t begin, uint32_t end) {
+    for_each_block(base.face_count, part.part(0, 0.9f), 256, [&](uint32_t begin, uint32_t end) {
         Neighborhood hood;
         size_t largest = 0;
         for (uint32_t f = begin; f != end; ++f) {
@@ -61,9 +59,10 @@ Result<Groups> group_faces(const Job& job, const BuildPart& part) {
     });
     if (auto ok = part.check(); !ok) return ok.error();
     if (largest_ring > std::numeric_limits<uint16_t>::max()) return kTooWide;
-    tbb::parallel_sort(groups.members.begin(), groups.members.end(), [](const Member& a, const Member& b) {
+    sort_items(groups.members, part.part(0.9f, 1), [](const Member& a, const Member& b) {
         return a.hash != b.hash ? a.hash < b.hash : a.face < b.face;
     });
+    if (auto ok = part.check(); !ok) return ok.error();
     for (uint32_t i = 0; i < base.face_count; ++i)
         if (i == 0 || groups.members[i].hash != groups.members[i - 1].hash) groups.first.push_back(i);
     groups.first.push_back(base.face_count);

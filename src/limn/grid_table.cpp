@@ -197,6 +197,7 @@ template <class Real>
 std::vector<GridSurface> list_surfaces(const BasicPatchTable<Real>& table, Lattices& lattices,
                                        std::vector<ClassKey>& keys, const BuildPart& part) {
     std::vector<GridSurface> surfaces;
+    surfaces.reserve(table.surfaces.size());  // one that grows keeps a cancellation waiting
     std::map<ClassKey, uint32_t> numbers;
     auto add = [&](uint32_t face, uint32_t surface_index, uint32_t child) {
         const Surface& surface = table.surfaces[surface_index];
@@ -257,7 +258,7 @@ Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const Gri
         static_cast<uint32_t>(keys.size()),
         [&](uint32_t i) { write_weights(table, keys[i], lattices, out.classes[i], out, steps); }, 1);
     out.surfaces.allocate(surfaces.size());
-    std::copy(surfaces.begin(), surfaces.end(), out.surfaces.begin());
+    for_each_index(static_cast<uint32_t>(surfaces.size()), part.part(0.98f, 0.99f), [&](uint32_t i) { out.surfaces[i] = surfaces[i]; });
     out.placement_samples.allocate(lattices.samples.size());
     std::copy(lattices.samples.begin(), lattices.samples.end(), out.placement_samples.begin());
     if (auto ok = part.reach(1); !ok) return ok.error();
@@ -265,22 +266,27 @@ Result<GridTable> build_grid_table(const BasicPatchTable<Real>& table, const Gri
 }
 
 void sort_passes(std::span<GridSurface> surfaces, uint32_t faces_per_pass, const BuildPart& part) {
-    std::vector<size_t> first;
-    for (size_t i = 0; i < surfaces.size(); ++i)
+    const BuildPart still = part.part(0, 0);  // passes are the steps
+    std::vector<uint32_t> first;
+    for_each_in_order(static_cast<uint32_t>(surfaces.size()), still, [&](uint32_t i) {
         if (i == 0 || surfaces[i].ptex_face / faces_per_pass != surfaces[i - 1].ptex_face / faces_per_pass)
             first.push_back(i);
+    });
     const auto pass_count = static_cast<uint32_t>(first.size());
-    first.push_back(surfaces.size());
+    first.push_back(static_cast<uint32_t>(surfaces.size()));
     auto sort = [&](uint32_t pass) {  // by counting: comparisons took most of the time that trees of a crowd did
-        const auto of_pass = surfaces.subspan(first[pass], first[pass + 1] - first[pass]);
-        const std::vector<GridSurface> unsorted(of_pass.begin(), of_pass.end());
+        const uint32_t begin = first[pass], count = first[pass + 1] - begin;
+        Array<GridSurface> unsorted;
+        unsorted.allocate(count);
         std::vector<uint32_t> next(1);
-        for (const GridSurface& s : unsorted) {
+        for_each_in_order(count, still, [&](uint32_t i) {
+            const GridSurface& s = unsorted[i] = surfaces[begin + i];
             if (s.grid_class + 1 >= next.size()) next.resize(size_t{s.grid_class} + 2);
             ++next[s.grid_class + 1];
-        }
+        });
+        if (part.is_cancelled()) return;
         std::partial_sum(next.begin(), next.end(), next.begin());
-        for (const GridSurface& s : unsorted) of_pass[next[s.grid_class]++] = s;
+        for_each_in_order(count, still, [&](uint32_t i) { surfaces[begin + next[unsorted[i].grid_class]++] = unsorted[i]; });
     };
     for_each_index(pass_count, part, sort, 1);
 }

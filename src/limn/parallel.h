@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <vector>
 
 #include "limn/build_control.h"
 
@@ -75,6 +76,33 @@ void for_each_in_order(uint32_t count, const BuildPart& part, const Body& body, 
         for (; i < end; ++i) body(i);
         part.advance(static_cast<float>(end) / static_cast<float>(count));
     }
+}
+
+/// Sorts on all cores: blocks, then pairs of them merged. `less` orders any two items.
+template <class T, class Less>
+void sort_items(std::vector<T>& items, const BuildPart& part, const Less& less) {
+    constexpr uint32_t kBlock = 8192, kLook = 4096;  // looks for a cancellation so often
+    const auto count = static_cast<uint32_t>(items.size());
+    const BuildPart still = part.part(0, 0);  // steps of a sort are no measure of anything
+    for_each_block(count, still, kBlock, [&](uint32_t begin, uint32_t end) {
+        std::sort(items.begin() + begin, items.begin() + end, less);
+    });
+    std::vector<T> merged;
+    for (uint64_t width = kBlock; width < count && !part.is_cancelled(); width *= 2) {
+        merged.resize(count);
+        const auto merge = [&](uint32_t pair) {
+            const uint64_t begin = 2 * width * pair, middle = std::min<uint64_t>(count, begin + width);
+            const uint64_t end = std::min<uint64_t>(count, begin + 2 * width);
+            for (uint64_t a = begin, b = middle, to = begin; to < end; ++to) {
+                if (to % kLook == 0 && part.is_cancelled()) return;
+                const bool first = a < middle && (b == end || !less(items[b], items[a]));
+                merged[to] = first ? items[a++] : items[b++];
+            }
+        };
+        for_each_index(static_cast<uint32_t>((count + 2 * width - 1) / (2 * width)), merge, 1);
+        items.swap(merged);
+    }
+    part.advance(1);
 }
 
 }  // namespace limn

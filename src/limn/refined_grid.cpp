@@ -162,9 +162,12 @@ Result<void> Builder::plan_groups(uint64_t max_weight_bytes, const BuildPart& pa
         return Error{ErrorCode::too_large, "refinement face by face refers to 2^32 points or more"};
     out.ring_points.allocate(rings + loose);
     out.grid.slots.allocate(slots + loose);
-    out.grid.weights.assign(4 * (weights + (loose != 0 ? 1 : 0)), 0.0f);
     out.grid.surfaces.allocate(job.base().face_count + loose);
-    return {};
+    out.grid.weights.allocate(4 * (weights + (loose != 0 ? 1 : 0)));
+    for_each_index(static_cast<uint32_t>(out.grid.weights.size() / 4), part.part(1, 1), [&](uint32_t i) {
+        std::fill_n(out.grid.weights.data() + size_t{4} * i, 4, 0.0f);
+    });
+    return part.check();
 }
 
 void Builder::write_member(size_t g, uint32_t surface, const std::array<uint32_t, kRegularRing>* ring_of_place,

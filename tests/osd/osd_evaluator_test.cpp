@@ -115,8 +115,57 @@ std::vector<float> spread(const std::vector<float>& values, size_t width, const 
     return out;
 }
 
-/// Value by value: positions within `tolerance`, derivatives within that times 2^depth, ten times 4^depth for
-/// second ones; what lies between records is the same to the bit.
+/// Value, du, dv, duu, duv and dvv at each coordinate by OpenSubdiv's weights in double, from the floats that evaluators
+/// have: the truth for both.
+std::vector<double> evaluate_in_double(const Far::PatchTable& table, const Primvar& primvar,
+                                       const std::vector<float>& points, const std::vector<Osd::PatchCoord>& coords) {
+    const size_t length = static_cast<size_t>(primvar.length);
+    std::vector<double> values(coords.size() * 6 * length);
+    for (size_t c = 0; c < coords.size(); ++c) {
+        const Far::PatchTable::PatchHandle& handle = coords[c].handle;
+        const double s = double{coords[c].s}, t = double{coords[c].t};
+        double w[6][20] = {};
+        Far::ConstIndexArray vertices;
+        if (primvar.kind == Kind::vertex) {
+            table.EvaluateBasis(handle, s, t, w[0], w[1], w[2], w[3], w[4], w[5]);
+            int first = 0;
+            for (int a = 0; a < handle.arrayIndex; ++a) first += table.GetNumPatches(a);
+            vertices = table.GetPatchVertices(handle.arrayIndex, handle.patchIndex - first);
+        } else if (primvar.kind == Kind::varying) {
+            table.EvaluateBasisVarying(handle, s, t, w[0], w[1], w[2], w[3], w[4], w[5]);
+            vertices = table.GetPatchVaryingVertices(handle);
+        } else {
+            table.EvaluateBasisFaceVarying(handle, s, t, w[0], w[1], w[2], w[3], w[4], w[5], primvar.channel);
+            vertices = table.GetPatchFVarValues(handle, primvar.channel);
+        }
+        for (size_t k = 0; k < 6; ++k)
+            for (int j = 0; j < vertices.size(); ++j)
+                for (size_t i = 0; i < length; ++i) {
+                    const auto at = static_cast<size_t>(vertices[j] * primvar.stride + primvar.offset) + i;
+                    values[(6 * c + k) * length + i] += w[k][j] * double{points[at]};
+                }
+    }
+    return values;
+}
+
+/// The largest errors against that, of values, first and second derivatives: as shares of what positions may be off, times
+/// 2^depth for first derivatives and 4^depth for second ones.
+struct Errors {
+    double worst[3] = {0, 0, 0};
+    void add(const std::vector<double>& truth, const std::vector<float>& records, size_t length,
+             const std::vector<int>& depths, double tolerance) {
+        for (size_t at = 0; at < truth.size(); ++at) {
+            const size_t c = at / (6 * length), k = at / length % 6, order = k == 0 ? 0 : k < 3 ? 1 : 2;
+            const double value = double{records[c * (6 * length + 2) + 1 + at % (6 * length)]};
+            const double error =
+                std::abs(value - truth[at]) / (tolerance * std::exp2(static_cast<double>(order) * depths[c]));
+            if (!(error <= worst[order])) worst[order] = error;  // takes NaN, too
+        }
+    }
+};
+
+/// Value by value: positions within `tolerance`, derivatives within that times 2^depth, twice 4^depth for second ones, since
+/// either side may be off by once that (Errors); what lies between records is the same to the bit.
 testing::AssertionResult same_records(const std::vector<float>& theirs, const std::vector<float>& ours,
                                       size_t length, const std::vector<int>& depths, double tolerance) {
     const size_t record = 6 * length + 2;
@@ -129,7 +178,7 @@ testing::AssertionResult same_records(const std::vector<float>& theirs, const st
         if (at == 0 || at == record - 1)
             allowed = 0;
         else if (value > 0)
-            allowed *= value > 2 ? 10 * std::exp2(2 * depth) : std::exp2(depth);
+            allowed *= value > 2 ? 2 * std::exp2(2 * depth) : std::exp2(depth);
         const double difference = std::abs(double{theirs[i]} - double{ours[i]});
         if (!(difference <= allowed))
             return testing::AssertionFailure()
@@ -178,13 +227,19 @@ class OsdEvaluatorTest : public vk::test::VulkanTest {
             if (!(std::abs(theirs.points[i] - ours.points[i]) <= tolerance))
                 return testing::AssertionFailure() << "float " << i << " of the points: " << ours.points[i]
                                                    << " in place of " << theirs.points[i];
-        return same_records(theirs.records, ours.records, static_cast<size_t>(primvar.length), depths,
-                            tolerance);
+        const size_t length = static_cast<size_t>(primvar.length);
+        if (!refine_on_device_) {
+            const std::vector<double> truth = evaluate_in_double(*tables.patches, primvar, theirs.points, coords);
+            errors_.add(truth, ours.records, length, depths, tolerance);
+            their_errors_.add(truth, theirs.records, length, depths, tolerance);
+        }
+        return same_records(theirs.records, ours.records, length, depths, tolerance);
     }
 
     std::unique_ptr<VkDeviceContext> context_;
     bool refine_on_device_ = true;
     size_t coordinate_count_ = 0;
+    Errors errors_, their_errors_;  ///< against an evaluation in double
     std::set<int> types_;
 };
 
@@ -198,7 +253,7 @@ TEST_F(OsdEvaluatorTest, shapes_are_evaluated_as_by_opensubdiv) {
         const bool triangles = mesh.options.scheme == Scheme::loop;
         const int caps[] = {kUniform, Options::ENDCAP_BSPLINE_BASIS, Options::ENDCAP_GREGORY_BASIS,
                             Options::ENDCAP_BILINEAR_BASIS};  // evaluators do not take legacy Gregory patches
-        const int cap = caps[n % 4], level = 1 + n / 4 % 3;
+        const int cap = caps[n % 4], level = 1 + n / 4 % 4;
         ++n;
         const bool uniform = cap == kUniform || mesh.options.scheme == Scheme::bilinear;
         const Tables tables = make_tables(mesh, uniform ? kUniform : cap, uniform ? 1 + level % 2 : level);
@@ -213,6 +268,15 @@ TEST_F(OsdEvaluatorTest, shapes_are_evaluated_as_by_opensubdiv) {
                 << mesh.name << ", channel " << channel;
     }
     std::printf("%zu coordinates in %d shapes\n", coordinate_count_, n);
+    std::printf("errors of values, first and second derivatives, of what is allowed: %.2g %.2g %.2g; OpenSubdiv's %.2g "
+                "%.2g %.2g\n",
+                errors_.worst[0], errors_.worst[1], errors_.worst[2], their_errors_.worst[0], their_errors_.worst[1],
+                their_errors_.worst[2]);
+    for (size_t order = 0; order < 3; ++order) {
+        EXPECT_LE(errors_.worst[order], 1) << order;
+        EXPECT_LE(their_errors_.worst[order], 1) << order;  // else the truth is none
+        EXPECT_GT(their_errors_.worst[order], 0) << order;
+    }
     for (const int type : {3, 4, 5, 6, 9, 10}) EXPECT_TRUE(types_.count(type)) << "no patch of type " << type;
 }
 
@@ -281,6 +345,16 @@ TEST_F(OsdEvaluatorTest, comparison_notices_one_value) {
         EXPECT_FALSE(same_records(a, b, 3, {0, 0}, 1e-6)) << i;
     }
     EXPECT_FALSE(same_records({}, {}, 3, {}, 1e-6));
+    const std::vector<double> truth(2 * 6 * 3, 1.0);
+    for (size_t i = 0; i < truth.size(); ++i) {
+        std::vector<float> b = a;
+        b[i / 18 * 20 + 1 + i % 18] += 1e-3f;
+        Errors errors;
+        errors.add(truth, b, 3, {0, 2}, 1e-6);
+        const size_t order = i / 3 % 6 == 0 ? 0 : i / 3 % 6 < 3 ? 1 : 2;
+        const double unit = 1e-6 * (i < 18 ? 1.0 : std::exp2(2.0 * static_cast<double>(order)));
+        for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(errors.worst[k], k == order ? 1e-3 / unit : 0, 0.1) << i;
+    }
 }
 
 /// What has been put where the table's buffer is, or will be.
