@@ -80,10 +80,6 @@ struct Dropping {
         for (const uint32_t v : changed_vertices(base, touched)) drop_around(v);
         for (const uint32_t f : touched.faces) drop_face(f);
     }
-    void drop_all() {
-        for (auto& block : parts.points.blocks) block = nullptr;
-        for (auto& chunk : parts.candidates.chunks) chunk = nullptr;
-    }
 };
 
 /// Where sharpness and holes alone have changed.
@@ -167,8 +163,6 @@ Update renumber_parts(const EditableMesh::State& s, const FaceChange& change) {
     dropping.drop_touched(change.touched);
     for (uint32_t f = 0; f < from.face_count; ++f)
         if (change.changed[f] != 0) dropping.drop_chunk(chunk_of_face(c, f));
-    // What walks and rows list depends on whether all faces are of one size.
-    if (from.face_size != base.face_size) dropping.drop_all();
 
     std::vector<uint32_t> uses = s.uses;
     for (uint32_t k = 0; k < c.chunk_count(); ++k)
@@ -212,8 +206,8 @@ Result<void> finish(EditableMesh::State& s, const EditedTopology& topology, cons
 }
 
 /// Makes the chunks that an update lacks, and finishes.
-Result<EditWork> finish(EditableMesh::State& s, const EditedTopology& topology, Update& update,
-                        bool tessellation) {
+Result<EditWork> make_missing(EditableMesh::State& s, const EditedTopology& topology, Update& update,
+                              bool tessellation) {
     const CandidateSource source(topology.base, plan_options(topology.base.options, s.options.patches));
     Candidates& c = update.parts.candidates;
     std::vector<uint32_t> missing;
@@ -238,15 +232,40 @@ Result<EditWork> finish(EditableMesh::State& s, const EditedTopology& topology, 
     return work;
 }
 
+/// Everything anew.
+Result<EditWork> build(EditableMesh::State& s, const EditedTopology& topology, const BuildPart& part) {
+    const Topology& base = topology.base;
+    const CandidateSource source(base, plan_options(base.options, s.options.patches), part.part(0, 0.1f));
+    Level1 level1;
+    Update update;
+    update.parts.candidates = find_candidates(source, level1, part.part(0.1f, 0.5f));
+    if (auto ok = part.check(); !ok) return ok.error();
+    update.parts.points.first_children = find_child_blocks(base, update.parts.candidates.first_faces);
+    update.parts.points.blocks.resize(update.parts.points.first_children.size() - 1);
+    update.uses.assign(level1_vertex_count(base), 0);
+    for (const auto& chunk : update.parts.candidates.chunks) add_uses(*chunk, 1, update.uses);
+    const auto level1_of = [&](uint32_t) -> const Level1& { return level1; };
+    if (auto ok = finish(s, topology, source, level1_of, update, true, part.part(0.5f, 1)); !ok)
+        return ok.error();
+    return EditWork{base.face_count, true};
+}
+
 Result<EditWork> edit_sharpness(EditableMesh::State& s, const MeshEdit& edit) {
     if (auto ok = check_sharpness(s.topology, edit); !ok) return ok.error();
     SharpnessLists before(s.topology.mesh);
     TouchedPlaces touched;
     change_sharpness(edit, s.topology, touched);
     Update update = keep_parts(s, touched);
-    auto work = finish(s, s.topology, update, touched.tessellation);
+    auto work = make_missing(s, s.topology, update, touched.tessellation);
     if (!work) restore_sharpness(std::move(before), touched, s.topology);
     return work;
+}
+
+Result<EditWork> make_changed(EditableMesh::State& s, const FaceChange& change) {
+    // What walks and rows list is not the same where faces differ in size.
+    if (change.to.base.face_size != s.topology.base.face_size) return build(s, change.to, {});
+    Update update = renumber_parts(s, change);
+    return make_missing(s, change.to, update, true);
 }
 
 Result<EditWork> edit_faces(EditableMesh::State& s, const MeshEdit& edit) {
@@ -254,27 +273,9 @@ Result<EditWork> edit_faces(EditableMesh::State& s, const MeshEdit& edit) {
     if (!change) return change.error();
     if (auto ok = check_sharpness(change->to, edit); !ok) return ok.error();
     change_sharpness(edit, change->to, change->touched);
-    Update update = renumber_parts(s, *change);
-    auto work = finish(s, change->to, update, change->touched.tessellation);
+    auto work = make_changed(s, *change);
     if (work) s.topology = std::move(change->to);
     return work;
-}
-
-/// Everything, for the first time.
-Result<void> build(EditableMesh::State& s, const BuildPart& part) {
-    const Topology& base = s.topology.base;
-    const CandidateSource source(base, plan_options(base.options, s.options.patches), part.part(0, 0.1f));
-    Level1 level1;
-    Update update;
-    update.parts.candidates = find_candidates(source, level1, part.part(0.1f, 0.5f));
-    if (auto ok = part.check(); !ok) return ok;
-    update.parts.points.first_children = find_child_blocks(base, update.parts.candidates.first_faces);
-    update.parts.points.blocks.resize(update.parts.points.first_children.size() - 1);
-    update.uses.assign(level1_vertex_count(base), 0);
-    for (const auto& chunk : update.parts.candidates.chunks) add_uses(*chunk, 1, update.uses);
-    const auto level1_of = [&](uint32_t) -> const Level1& { return level1; };
-    if (auto ok = finish(s, s.topology, source, level1_of, update, true, part.part(0.5f, 1)); !ok) return ok;
-    return part.reach(1);
 }
 
 }  // namespace
@@ -290,7 +291,8 @@ Result<EditableMesh> EditableMesh::create(ControlMesh mesh, const EditableMeshOp
     state->cache = &(cache != nullptr ? *cache : state->own_cache).impl();
     state->topology = make_edited_topology(std::move(mesh), part.part(0, 0.2f));
     if (auto ok = part.check(); !ok) return ok.error();
-    if (auto ok = build(*state, part.part(0.2f, 1)); !ok) return ok.error();
+    if (auto built = build(*state, state->topology, part.part(0.2f, 1)); !built) return built.error();
+    if (auto ok = part.reach(1); !ok) return ok.error();
     return EditableMesh(std::move(state));
 }
 

@@ -40,8 +40,9 @@ struct EditableMeshOptions {
 
 /// What an edit has made again.
 struct EditWork {
-    uint32_t face_count =
-        0;  ///< faces that were walked around again; of 128 that lie together, all or none are
+    /// Faces that were walked around again: of 128 that follow each other, all or none. All of them are where
+    /// a mesh of quads alone gets its first other face, or loses its last.
+    uint32_t face_count = 0;
     bool tessellation = false;  ///< else the tessellation table is what it was
 };
 
