@@ -91,6 +91,13 @@ Result<void> Crowd::remove(uint32_t instance) {
     return {};
 }
 
+Result<void> Crowd::compact() {
+    auto anew = lay_out_anew(*state_);
+    if (!anew) return anew.error();
+    state_ = std::move(*anew);
+    return {};
+}
+
 uint32_t Crowd::instance_capacity() const {
     return state_->instance_capacity;
 }
