@@ -316,7 +316,7 @@ void ChangingCrowd::run_changes(uint64_t seed, uint32_t steps) {
         if (HasFatalFailure()) return;
     }
     EXPECT_GT(in_place_, steps / 3);
-    EXPECT_LT(crowd_.layout(), steps / 2);
+    EXPECT_LT(crowd_.layout(), steps);
 }
 
 TEST_F(ChangingCrowd, AfterUpdatesDrawsAsMergedAfresh) {
