@@ -237,6 +237,8 @@ TEST(Crowd, RefusesWhatDoesNotBelongAndStaysAsItWas) {
     EXPECT_EQ(tiny.add(meshes[7].batch_mesh()).error().code, ErrorCode::too_large);
     EXPECT_EQ(tiny.instance_count(), 0u);
     EXPECT_EQ(Crowd({.max_rate = 1}).add(meshes[0].batch_mesh()).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(Crowd({.points_per_pass = 0}).add(meshes[0].batch_mesh()).error().code,
+              ErrorCode::invalid_argument);
     EXPECT_EQ(Crowd({.reserve = -1}).add(meshes[0].batch_mesh()).error().code, ErrorCode::invalid_argument);
 }
 
