@@ -195,6 +195,27 @@ TEST(Crowd, ASmallChangeIsSmallAndMovesNothing) {
     EXPECT_EQ(crowd.changed_bytes(), 0u);
 }
 
+TEST(Crowd, CompactsWhatIsLeft) {
+    const std::vector<MeshTables> meshes = some_meshes();
+    Crowd crowd({.max_rate = 8});
+    std::vector<BatchMesh> many;
+    Instances instances;
+    for (uint32_t i = 0; i < 60; ++i) many.push_back(meshes[i % meshes.size()].batch_mesh());
+    const std::vector<uint32_t> numbers = *crowd.add(many);
+    for (uint32_t i = 0; i < 60; ++i) {
+        if (i % 6 == 0)
+            instances[numbers[i]] = {&meshes[i % meshes.size()], static_cast<float>(i)};
+        else
+            ASSERT_TRUE(crowd.remove(numbers[i]));
+    }
+    expect_as_merged_afresh(crowd, instances);
+    const size_t surfaces = crowd.patches().surfaces.size();
+    ASSERT_TRUE(crowd.compact());
+    EXPECT_EQ(crowd.layout(), 2u);
+    EXPECT_LT(crowd.patches().surfaces.size(), surfaces / 3);
+    expect_as_merged_afresh(crowd, instances);
+}
+
 TEST(Crowd, RefusesWhatDoesNotBelongAndStaysAsItWas) {
     const std::vector<MeshTables> meshes = some_meshes();
     const MeshTables loop = build_tables(shapes_of(Scheme::loop)[0]);
@@ -216,6 +237,8 @@ TEST(Crowd, RefusesWhatDoesNotBelongAndStaysAsItWas) {
     EXPECT_EQ(tiny.add(meshes[7].batch_mesh()).error().code, ErrorCode::too_large);
     EXPECT_EQ(tiny.instance_count(), 0u);
     EXPECT_EQ(Crowd({.max_rate = 1}).add(meshes[0].batch_mesh()).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(Crowd({.points_per_pass = 0}).add(meshes[0].batch_mesh()).error().code,
+              ErrorCode::invalid_argument);
     EXPECT_EQ(Crowd({.reserve = -1}).add(meshes[0].batch_mesh()).error().code, ErrorCode::invalid_argument);
 }
 

@@ -2,7 +2,8 @@
 //
 // Nothing that a mesh's tables hold is built again when another one comes or goes, and no plan's tree is grown twice; what
 // is made again is the merged copy, in time that is linear in its size. Between changes tables stay as they are: merge on a
-// thread of its own, upload beside the frames that are drawn, and change over when both are done.
+// thread of its own, upload beside the frames that are drawn, and change over when both are done. Tables that are changed in
+// place are those of crowd.h.
 #pragma once
 
 #include "limn/batch.h"

@@ -19,6 +19,9 @@ Result<void> check(const CrowdOptions& options, const BatchMesh& mesh, const Bat
     const auto bad = [](const char* message) { return Error{ErrorCode::invalid_argument, message}; };
     if (!(options.reserve >= 0 && options.reserve <= 4))
         return bad("the reserve of a crowd is not within 0 and 4");
+    if (options.max_rate < 2 || options.max_rate > 128)
+        return bad("the largest rate of a crowd is not within 2 and 128");
+    if (options.points_per_pass < 65536) return bad("passes hold 65,536 points or more");
     if (mesh.patches->options != first.patches->options || mesh.topology->options != first.patches->options)
         return bad("a mesh has other scheme options than the crowd");
     if (mesh.patches->plan_identities.size() != mesh.patches->plans.size())
@@ -88,6 +91,13 @@ Result<void> Crowd::remove(uint32_t instance) {
     take_away(*state_, instance);
     --state_->instance_count;
     list_crowd_instances(*state_);
+    return {};
+}
+
+Result<void> Crowd::compact() {
+    auto anew = lay_out_anew(*state_);
+    if (!anew) return anew.error();
+    state_ = std::move(*anew);
     return {};
 }
 

@@ -46,6 +46,10 @@ class Crowd {
     Result<uint32_t> add(const BatchMesh& mesh);
     /// Errors: index_out_of_range (no such instance; the element is its number).
     Result<void> remove(uint32_t instance);
+    /// Lays all out anew, with no more room than the reserve says: where many have gone that nobody replaces.
+    /// What they had makes no local points, vertices and triangles any more, but is looked at: on CPU devices
+    /// at a quarter of its former price. Errors: as add.
+    Result<void> compact();
 
     /// Numbers of instances are below it: elements of TessellationInfo::instances. Grows only when all is
     /// laid out anew.

@@ -45,8 +45,8 @@ Result<void> check_totals(const std::array<uint64_t, kCrowdRangeCount>& sizes) {
     if (std::max(sizes[kSurfaces], sizes[kPtexFaces]) >= uint64_t{1} << 28)
         return crowd_too_large("surfaces");
     if (sizes[kRows] >= shared::kSideRowMask) return crowd_too_large("rows of vertices");
-    if (std::max({sizes[kCorners], sizes[kRateEdges], sizes[kCornerCopies], sizes[kRowCopies]}) >=
-        kInvalidIndex)
+    if (std::max({sizes[kCorners] * shared::kTessCornerWords, sizes[kRateEdges] * shared::kRateEdgeWords,
+                  sizes[kCornerCopies], sizes[kRowCopies]}) > kMost)
         return crowd_too_large("edges");
     if (sizes[kLocalPoints] > 0x7fffffff) return crowd_too_large("local points");
     return {};

@@ -95,7 +95,8 @@ Result<void> append_trees(State& state, const PatchTable& mesh, const PlanNumber
     for (uint32_t t = 0; t < first_surfaces.size(); ++t)
         if (const GridClass& c = trees->local_points.classes[t]; !is_known(mesh.surfaces[first_surfaces[t]]))
             weights += uint64_t{4} * c.group_count * c.sample_count;
-    if (weights * 4 > options.max_weight_bytes) return crowd_too_large("weights of local points");
+    if (weights * 4 > options.max_weight_bytes || weights > kInvalidIndex)
+        return crowd_too_large("weights of local points");
     if (state.tree_nodes.size() + trees->nodes.size() >= shared::kMaxTreeFirst)
         return crowd_too_large("nodes of patch trees");
     for (uint32_t t = 0; t < first_surfaces.size(); ++t) {

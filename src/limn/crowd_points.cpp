@@ -42,8 +42,9 @@ void CrowdPoints::expect(const PatchTable& mesh) {
 }
 
 bool CrowdPoints::lay_out(float reserve) {
+    // Half of the reserve is in pools, half for pools to come.
     const auto with_reserve = [&](uint64_t count) {
-        return count + static_cast<uint64_t>(static_cast<double>(reserve) * static_cast<double>(count)) +
+        return count + static_cast<uint64_t>(static_cast<double>(reserve) / 2 * static_cast<double>(count)) +
                kLeastPool;
     };
     uint64_t pairs = 0;

@@ -35,8 +35,9 @@ uint32_t CrowdTiles::group_of(uint32_t grid_class, uint32_t pass) {
 }
 
 bool CrowdTiles::lay_out(float reserve, uint32_t surface_capacity) {
+    // Half of the reserve is in pools, half for pools to come.
     const auto with_reserve = [&](uint64_t count) {
-        return count + static_cast<uint64_t>(static_cast<double>(reserve) * static_cast<double>(count)) +
+        return count + static_cast<uint64_t>(static_cast<double>(reserve) / 2 * static_cast<double>(count)) +
                kLeastPool;
     };
     uint64_t placements = 1;

@@ -7,8 +7,8 @@
 
 namespace limn::vk {
 
-/// A stencil table as the stencil_eval kernels read it (evaluator.h). Immutable once uploaded, may be shared
-/// by any number of evaluations, and must outlive them.
+/// A stencil table as the stencil_eval kernels read it (evaluator.h). Immutable once uploaded, but for
+/// updates (table_update.h), may be shared by any number of evaluations, and must outlive them.
 struct DeviceStencilTable {
     uint32_t source_count = 0;
     uint32_t row_count = 0;

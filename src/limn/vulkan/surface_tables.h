@@ -10,8 +10,8 @@
 
 namespace limn::vk {
 
-/// A patch table as kernels read it: limn/shared/patch_eval_params.h. Immutable once uploaded; outlives the
-/// evaluations that use it.
+/// A patch table as kernels read it: limn/shared/patch_eval_params.h. Immutable once uploaded, but for updates
+/// (table_update.h); outlives the evaluations that use it.
 struct DevicePatchTable {
     Scheme scheme = Scheme::catmull_clark;
     EndCap end_cap = EndCap::exact;

@@ -9,8 +9,8 @@
 
 namespace limn::vk {
 
-/// Tessellation table and patch trees as kernels read them: limn/shared/tess_params.h. Immutable once uploaded;
-/// outlives the tessellations that use it.
+/// Tessellation table and patch trees as kernels read them: limn/shared/tess_params.h. Immutable once uploaded, but for
+/// updates (table_update.h); outlives the tessellations that use it.
 struct DeviceTessellationTable {
     Scheme scheme = Scheme::catmull_clark;
     uint32_t face_count = 0;

@@ -46,7 +46,7 @@ struct TessellationInfo {
     bool cull_outside = false;    ///< as RateSettings
     bool cull_backfaces = false;
     WordBuffer edge_rates = {};  ///< of mode per_edge: a float for each rate edge; kSourceUsage
-    /// Optional: a TessellationInstance for each of table->instance_count, as merge_tessellation_tables numbers them. Rates
+    /// Optional: a TessellationInstance for each of table->instance_count, as merge_tessellation_tables or a Crowd numbers them. Rates
     /// and culling then see the world that object_to_world leads to; the camera is the world's, `bound` stays the
     /// object's. What is written stays the object's, too. Read by record_rates, so that host or kernels may write it every
     /// frame; visible to kKernelReads. STORAGE_BUFFER usage; the offset is a multiple of minStorageBufferOffsetAlignment.
