@@ -28,9 +28,10 @@ Stage stage_of_faces(const SubdivisionScheme& scheme, uint32_t vertex_count,
                      const std::vector<std::vector<uint32_t>>& faces) {
     SchemeOptions options;
     options.scheme = scheme.faces == FaceKind::triangles ? Scheme::loop : Scheme::catmull_clark;
-    std::vector<uint32_t> offsets = {0}, vertices;
+    Array<uint32_t> offsets, vertices;
+    offsets.push_back(0);
     for (const auto& face : faces) {
-        vertices.insert(vertices.end(), face.begin(), face.end());
+        for (const uint32_t v : face) vertices.push_back(v);
         offsets.push_back(static_cast<uint32_t>(vertices.size()));
     }
     Stage stage;
