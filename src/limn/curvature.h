@@ -10,9 +10,9 @@
 
 namespace limn {
 
-/// How the surface bends at a place. Normal curvatures are positive where it bends away from its normal, du x
-/// dv: of a sphere of radius r, faces counter-clockwise seen from outside, 1 / r. They do not depend on how
-/// the surface is parameterised.
+/// How the surface bends at a place, in the space of its points. Normal curvatures are positive where it
+/// bends away from its normal, du x dv: of a sphere of radius r, faces counter-clockwise seen from outside, 1
+/// / r. They do not depend on how the surface is parameterised.
 struct Curvature {
     double gaussian;       ///< first * second; negative at a saddle
     double mean;           ///< (first + second) / 2

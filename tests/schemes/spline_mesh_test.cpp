@@ -344,6 +344,7 @@ TEST(SplineMesh, refuses_what_is_not_exact) {
     EXPECT_EQ(code(along_u({3, {0, 0, 0, 0, 1, 100, 100, 100, 100}}), {.max_intervals = 99}),
               ErrorCode::unsupported);
     EXPECT_FALSE(code(along_u({3, {0, 0, 0, 0, 1, 100, 100, 100, 100}}), {.max_intervals = 100}));
+    EXPECT_EQ(code(along_u({3, {0, 0, 0, 0, 1e-300, 1, 1, 1, 1}}), {.tolerance = 0}), ErrorCode::unsupported);
     EXPECT_EQ(code(along_u(good), {.degree = 4}), ErrorCode::invalid_argument);
     BSplineSurface bad = along_u(good);
     bad.points.pop_back();

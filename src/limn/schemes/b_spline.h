@@ -67,17 +67,18 @@ template <class Real>
 Result<BasicStencilTable<Real>> build_b_spline_table(const KnotVector& knots,
                                                      std::span<const double> parameters);
 
-/// With one more knot at u, or with one in the middle of every interval between begin() and end() that is not
-/// empty: what each halves. Precondition: begin() <= u <= end(), and fewer than degree + 1 knots at u.
+/// With one more knot at u (begin() <= u <= end(), and fewer than degree + 1 knots are there); with one in
+/// the middle of every interval between begin() and end().
 KnotVector insert_knot(const KnotVector& knots, double u);
 KnotVector insert_middle_knots(const KnotVector& knots);
 
 /// Control points over other knots, from those over `knots`; the curve is the same one. Three ways to the
-/// same table: Boehm's, of one knot more, as insert_knot; the Oslo algorithm, for any number of knots more;
-/// and blossoms, which may also raise the degree, and change the knots before begin() and after end().
-/// Errors: as check_knots, of either; invalid_argument (u; other degrees or ends; knots that are not among
-/// the others, to raise the degree by n as often and n times more; ends that lie elsewhere); too_large (2^32
-/// entries or more).
+/// same table: Boehm's, to insert_knot(knots, u); the Oslo algorithm, to any number of knots more; and
+/// blossoms, which may also raise the degree and change the knots before begin() and after end(). Errors: as
+/// check_knots, of both; too_large (2^32 entries or more); invalid_argument: a knot u that insert_knot does
+/// not take; other knots of a lower degree (Oslo: another), with another begin() or end(), or without all
+/// knots that the curve has between its ends, as often as there and, for a degree that is higher by n, n
+/// times more.
 template <class Real>
 Result<BasicStencilTable<Real>> build_boehm_table(const KnotVector& knots, double u);
 template <class Real>

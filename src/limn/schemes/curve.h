@@ -62,9 +62,9 @@ Result<BasicStencilTable<Real>> build_curve_table(const CurveScheme& scheme, uin
                                                   uint32_t level);
 
 /// Where the points of `level` end up, from the control points. tangent1 is the first derivative of the curve
-/// by curve_parameter, tangent2 the second; the latter is zero of the rules of four points, which have none.
-/// With free ends row r is point r + count_curve_margin(scheme), and as many points are left out at the other
-/// end. Errors: as build_curve_table.
+/// by curve_parameter, tangent2 the second, the mean of both sides where it jumps; the latter is zero of the
+/// rules of four points, which have none. With free ends row r is point r + count_curve_margin(scheme), and
+/// as many points are left out at the other end. Errors: as build_curve_table.
 template <class Real>
 Result<BasicStencilTable<Real>> build_curve_limit_table(const CurveScheme& scheme, uint32_t control_count,
                                                         uint32_t level);

@@ -35,10 +35,12 @@ Result<KnotVector> space_evenly(const KnotVector& k, const SplineMeshOptions& op
     if (k.degree > options.degree)
         return unsupported("a surface of degree " + std::to_string(k.degree) + " is none of degree " +
                            std::to_string(options.degree));
+    // Not much less than what rounding leaves, or quotients of intervals would overflow.
+    const double tolerance = std::max(options.tolerance, 1e-15) * (k.end() - k.begin());
     std::vector<double> breaks = {k.begin()};
     for (uint32_t i = k.degree + 1; i <= k.point_count(); ++i) {
         if (k.knots[i] == k.begin()) continue;
-        if (k.knots[i] == breaks.back())
+        if (k.knots[i] - breaks.back() <= tolerance)
             return unsupported("knot " + std::to_string(i) +
                                " is not simple: split the surface there, or smooth it");
         breaks.push_back(k.knots[i]);
@@ -47,7 +49,6 @@ Result<KnotVector> space_evenly(const KnotVector& k, const SplineMeshOptions& op
     if (k.degree < options.degree && breaks.size() > 2)
         return unsupported(
             "raising the degree of a surface of several intervals would leave it multiple knots");
-    const double tolerance = options.tolerance * (k.end() - k.begin());
     const double measure = common_measure(breaks, tolerance);
     if ((k.end() - k.begin()) / measure > options.max_intervals + 0.5)
         return unsupported("intervals have no common measure, or more than " +

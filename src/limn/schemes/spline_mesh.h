@@ -26,7 +26,7 @@ namespace limn {
 struct SplineMeshOptions {
     uint32_t degree = 3;            ///< 3: Catmull-Clark, 2: Doo-Sabin
     uint32_t max_intervals = 4096;  ///< in each direction, after knots have been inserted
-    double tolerance = 1e-9;  ///< of intervals, relative; of points where it closes, relative to the largest
+    double tolerance = 1e-12;  ///< of intervals, relative; of points where it closes, relative to the largest
 };
 
 /// A control mesh of quads in rows: vertex (i, j) is i + j * u_count, face (i, j), i < u_face_count(), is
