@@ -31,6 +31,7 @@ set(scheme_test_files
     tests/schemes/scheme_invariants_test.cpp
     tests/schemes/scheme_goldens_test.cpp
     tests/schemes/scheme_limit_test.cpp
+    tests/schemes/scheme_analysis_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp
@@ -42,6 +43,7 @@ set(vulkan_test_files
     tests/vulkan/layout_test.cpp
     tests/vulkan/stencil_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
+    tests/vulkan/scheme_test.cpp
     tests/vulkan/surface_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp
     tests/vulkan/device_tessellation.cpp

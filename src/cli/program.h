@@ -83,6 +83,7 @@ void add_tessellate(CLI::App& program, int& status);
 void add_check(CLI::App& program, int& status);
 void add_render(CLI::App& program, int& status);
 void add_view(CLI::App& program, int& status);
+void add_analyze(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 void add_bench(CLI::App& program, int& status);  // bench/bench_command.cpp, where benchmarks are built
 

@@ -19,12 +19,11 @@ using Points = std::vector<double>;
 
 Points evaluate_rows(const StencilTableDouble& table, const Points& points, size_t channel = 0) {
     Points out(size_t{3} * table.row_count(), 0.0);
-    const auto& weights = channel == 0   ? table.weights
-                          : channel == 1 ? table.tangent1_weights
-                                         : table.tangent2_weights;
+    const auto& weights = channel == 0 ? table.weights : channel == 1 ? table.tangent1_weights : table.tangent2_weights;
     for (uint32_t r = 0; r < table.row_count(); ++r)
         for (uint32_t k = table.offsets[r]; k < table.offsets[r + 1]; ++k)
-            for (size_t i = 0; i < 3; ++i) out[3 * size_t{r} + i] += weights[k] * points[3 * size_t{table.indices[k]} + i];
+            for (size_t i = 0; i < 3; ++i)
+                out[3 * size_t{r} + i] += weights[k] * points[3 * size_t{table.indices[k]} + i];
     return out;
 }
 
@@ -160,7 +159,8 @@ TEST_P(EveryLimit, RefinementGoesThere) {
             StarWalk walk;
             canonical_start(refined->last, {false, v}, scheme().period, scheme().rings, walk);
             Points at;
-            for (const uint32_t w : walk.vertices) at.insert(at.end(), &points[3 * size_t{w}], &points[3 * size_t{w}] + 3);
+            for (const uint32_t w : walk.vertices)
+                at.insert(at.end(), &points[3 * size_t{w}], &points[3 * size_t{w}] + 3);
             auto distance = [&] {
                 double sum = 0;
                 for (size_t k = 0; k < 3; ++k) sum = std::max(sum, std::abs(at[k] - limit[3 * size_t{v} + k]));
@@ -173,7 +173,8 @@ TEST_P(EveryLimit, RefinementGoesThere) {
                 Points next(3 * step.rows.size(), 0.0);
                 for (size_t r = 0; r < step.rows.size(); ++r)
                     for (const RowEntry& entry : step.rows[r])
-                        for (size_t k = 0; k < 3; ++k) next[3 * r + k] += entry.weight * at[3 * size_t{entry.index} + k];
+                        for (size_t k = 0; k < 3; ++k)
+                            next[3 * r + k] += entry.weight * at[3 * size_t{entry.index} + k];
                 at = std::move(next);
                 patch = std::move(step.child);
                 if (i == 3) before = distance();
@@ -280,7 +281,8 @@ TEST(SchemeLimits, FollowSharpnessToItsEnd) {
             double worst = 0;
             for (uint32_t v = 0; v < own->row_count(); ++v) {
                 Points row(mesh.vertex_count, 0.0);
-                for (uint32_t k = own->offsets[v]; k < own->offsets[v + 1]; ++k) row[own->indices[k]] += own->weights[k];
+                for (uint32_t k = own->offsets[v]; k < own->offsets[v + 1]; ++k)
+                    row[own->indices[k]] += own->weights[k];
                 for (uint32_t k = exact->offsets[v]; k < exact->offsets[v + 1]; ++k)
                     row[exact->indices[k]] -= exact->weights[k];
                 for (const double x : row) worst = std::max(worst, std::abs(x));

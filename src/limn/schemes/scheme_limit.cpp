@@ -45,7 +45,8 @@ Array<uint8_t> find_regular(const Stage& stage, RegularKind kind, uint32_t rings
         for_each_index(t.vertex_count, part, [&](uint32_t v) {
             uint8_t all = regular[v];
             for (uint32_t i = 0; all != 0 && i < face_valence(t, v); ++i)
-                for (const uint32_t w : t.vertices_of_face(t.face_of_corner(t.corners_of_vertex(v)[i]))) all &= regular[w];
+                for (const uint32_t w : t.vertices_of_face(t.face_of_corner(t.corners_of_vertex(v)[i])))
+                    all &= regular[w];
             next[v] = all;
         });
         std::swap(regular, next);
@@ -66,8 +67,7 @@ Element middle_face(const Topology& t, uint32_t v) {
 
 class LimitRows {
   public:
-    LimitRows(const Stage& stage, const SubdivisionScheme& scheme)
-        : stage_(stage), scheme_(scheme), limits_(scheme) {}
+    LimitRows(const Stage& stage, const SubdivisionScheme& scheme) : stage_(stage), scheme_(scheme), limits_(scheme) {}
 
     /// Errors: those of StarLimits::make; Error::element is the vertex.
     Result<RowSource> find(uint32_t v, StarWalk& walk) {

@@ -16,7 +16,8 @@ Eigen::VectorXcd StarChain::step(Eigen::VectorXcd points) const {
         const std::vector<Row>& rows = in_cycle(i).rows;
         Eigen::VectorXcd next = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(rows.size()));
         for (size_t r = 0; r < rows.size(); ++r)
-            for (const RowEntry& entry : rows[r]) next[static_cast<Eigen::Index>(r)] += entry.weight * points[entry.index];
+            for (const RowEntry& entry : rows[r])
+                next[static_cast<Eigen::Index>(r)] += entry.weight * points[entry.index];
         points = std::move(next);
     }
     return points;

@@ -1,4 +1,5 @@
-// Step after step around an element, until a neighbourhood comes again. Includes Eigen: not part of the public interface.
+// Step after step around an element, until a neighbourhood comes again. Includes Eigen: not part of the public
+// interface.
 #pragma once
 
 #include <Eigen/Core>
