@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSpread = 1e-4;  // a triple defective eigenvalue is off by the cube root of the precision
+constexpr double kSpread = 1e-3;  // a defective eigenvalue of a block of n is off by the n-th root of the precision
 constexpr double kSameModulus = 1e-7;
 constexpr double kSingular = 1e-9;
 

@@ -247,8 +247,9 @@ MatrixXd dual_vectors(const Neighborhood& around, const MatrixXd& left, const do
 
 Result<void> analyze_boundary(const SubdivisionScheme& scheme, const AnalysisOptions& options,
                               const Neighborhood& around, SchemeAnalysis& out) {
-    StarLimits limits(scheme);
-    const auto mask = limits.make(extract_patch(around.patch.stage, around.patch.element, scheme.period, scheme.rings));
+    StarLimits limits(scheme, patch_rings(scheme));
+    const auto mask =
+        limits.make(extract_patch(around.patch.stage, around.patch.element, scheme.period, patch_rings(scheme)));
     if (!mask) return mask.error();
     const MatrixXd left = tangents_of(**mask, around.patch.size());
     double lambda[2];

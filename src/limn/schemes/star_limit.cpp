@@ -205,8 +205,8 @@ const StarMask* StarLimits::insert(const std::vector<uint32_t>& key, StarMask ma
 }
 
 Result<const StarMask*> StarLimits::make(const StarPatch& patch) {
-    auto chain = follow_steps(patch, scheme_, scheme_.rings,
-                              [&](const std::vector<uint32_t>& key) { return find(key) != nullptr; });
+    auto chain =
+        follow_steps(patch, scheme_, rings_, [&](const std::vector<uint32_t>& key) { return find(key) != nullptr; });
     if (!chain) return chain.error();
     if (!chain->exists) {
         StarMask none;
