@@ -185,12 +185,12 @@ Plot plot_of(const SubdivisionScheme& scheme, const std::vector<Star>& stars) {
         plot_eigenvalues(*stars[0].analysis, 510, 30, 480, plot);
         return plot;
     }
-    constexpr uint32_t kColumns = 5, kSide = 240;
-    const auto count = static_cast<uint32_t>(stars.size());
-    plot.width = kColumns * kSide;
-    plot.height = (count + kColumns - 1) / kColumns * kSide;
+    constexpr uint32_t kSide = 240;
+    const auto count = static_cast<uint32_t>(stars.size()), columns = std::min(count, 5u);
+    plot.width = columns * kSide;
+    plot.height = (count + columns - 1) / columns * kSide;
     for (uint32_t i = 0; i < count; ++i) {
-        const double left = i % kColumns * kSide, top = i / kColumns * kSide;
+        const double left = i % columns * kSide, top = i / columns * kSide;
         plot.labels.push_back({left + 8, top + 16, std::to_string(stars[i].valence)});
         if (stars[i].analysis) plot_map(*stars[i].analysis, left + 10, top + 10, kSide - 20, plot);
     }

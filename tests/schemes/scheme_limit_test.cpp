@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "limn/schemes/star_limit.h"
 #include "schemes/scheme_meshes.h"
@@ -41,15 +40,28 @@ class EveryLimit : public testing::TestWithParam<SubdivisionScheme> {
     const SubdivisionScheme& scheme() const { return *find_subdivision_scheme(GetParam().name); }
 };
 
-/// The limit of a vertex as `limits` finds it from so many rings, by label from `start`.
-std::map<uint32_t, double> limit_from_rings(const Stage& stage, StarStart start, const SubdivisionScheme& scheme,
-                                            uint32_t rings, StarLimits& limits) {
+/// The limit of a vertex as `limits` finds it from so many rings: a point and a normal of a surface without symmetry.
+struct PointAndNormal {
+    std::array<double, 3> point = {};
+    std::array<double, 3> normal;
+};
+PointAndNormal limit_from_rings(const Stage& stage, StarStart start, const SubdivisionScheme& scheme, uint32_t rings,
+                                StarLimits& limits) {
     StarWalk walk;
     walk.walk_manifold(stage.topology, start, rings);
     const auto mask = limits.make(make_patch(stage, start.element, scheme.period, rings, walk));
     EXPECT_TRUE(mask) << mask.error().message;
-    std::map<uint32_t, double> out;
-    for (size_t i = 0; i < (*mask)->labels.size(); ++i) out[(*mask)->labels[i]] = (*mask)->position[i];
+    PointAndNormal out;
+    Points t1(3, 0.0), t2(3, 0.0);
+    for (size_t i = 0; i < (*mask)->labels.size(); ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            const double x = std::sin(12.9898 * walk.vertices[(*mask)->labels[i]] + 78.233 * static_cast<double>(k));
+            out.point[k] += (*mask)->position[i] * x;
+            t1[k] += (*mask)->tangent1[i] * x;
+            t2[k] += (*mask)->tangent2[i] * x;
+        }
+    out.normal = unit_normal(t1, t2, 0);
+    if (!(*mask)->smooth) out.normal = {};  // two edges of some face
     return out;
 }
 
@@ -62,20 +74,22 @@ TEST_P(EveryLimit, RingsAreEnough) {
             const auto refined = build_scheme_refinement<double>(
                 control_mesh_of(make_irregular_mesh(scheme(), open, 9)), scheme(), {level, true});
             ASSERT_TRUE(refined) << refined.error().message;
-            for (uint32_t v = 0; v < refined->mesh().vertex_count; v += 1 + refined->mesh().vertex_count / 30) {
+            for (uint32_t v = 0; v < refined->mesh().vertex_count; v += 1 + refined->mesh().vertex_count / 20) {
                 StarWalk walk;
                 const StarStart start = canonical_start(refined->last, {false, v}, scheme().period, rings, walk);
-                auto a = limit_from_rings(refined->last, start, scheme(), rings, near);
-                auto b = limit_from_rings(refined->last, start, scheme(), rings + 2, far);
-                for (const auto& [label, weight] : b) a[label] -= weight;
-                for (const auto& [label, off] : a) EXPECT_NEAR(off, 0, 1e-12) << "vertex " << v << " " << open << level;
+                const auto a = limit_from_rings(refined->last, start, scheme(), rings, near);
+                const auto b = limit_from_rings(refined->last, start, scheme(), rings + 2, far);
+                for (size_t k = 0; k < 3; ++k) {
+                    EXPECT_NEAR(a.point[k], b.point[k], 1e-12) << "vertex " << v;
+                    EXPECT_NEAR(a.normal[k], b.normal[k], 1e-9) << "vertex " << v;
+                }
             }
         }
 }
 
 TEST_P(EveryLimit, IsTheLimitOfTheNextLevel) {
     for (const bool open : {false, true})
-        for (uint32_t level = 0; level < 3; ++level) {
+        for (uint32_t level = 0; level < 2; ++level) {
             SCOPED_TRACE(std::string(open ? "open" : "closed") + ", level " + std::to_string(level));
             const auto refined = build_scheme_refinement<double>(
                 control_mesh_of(make_irregular_mesh(scheme(), open, 10)), scheme(), {level, true});
@@ -84,7 +98,7 @@ TEST_P(EveryLimit, IsTheLimitOfTheNextLevel) {
             ASSERT_TRUE(table) << table.error().message;
             StarLimits limits(scheme(), patch_rings(scheme()));
             double worst = 0;
-            for (uint32_t v = 0; v < refined->mesh().vertex_count; v += 1 + refined->mesh().vertex_count / 40) {
+            for (uint32_t v = 0; v < refined->mesh().vertex_count; v += 1 + refined->mesh().vertex_count / 12) {
                 const StageStep step = refine_stage(Stage(refined->last), scheme(), {false, v});
                 if (step.element.index == kInvalidIndex) continue;
                 StarWalk walk;
