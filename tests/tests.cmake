@@ -48,6 +48,7 @@ set(scheme_test_files
     tests/schemes/scheme_limit_test.cpp
     tests/schemes/scheme_samples_test.cpp
     tests/schemes/t_mesh_test.cpp
+    tests/schemes/scheme_analysis_test.cpp
 )
 set(vulkan_test_files
     tests/vulkan/context_test.cpp
@@ -60,6 +61,7 @@ set(vulkan_test_files
     tests/vulkan/stencil_eval_test.cpp
     tests/vulkan/curve_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
+    tests/vulkan/scheme_test.cpp
     tests/vulkan/surface_eval_test.cpp
     tests/vulkan/curvature_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     limn::cli::add_view(program, status);
     limn::cli::add_gallery(program, status);
     limn::cli::add_schemes(program, status);
+    limn::cli::add_analyze(program, status);
     limn::cli::add_devices(program, status);
     limn::cli::add_bench(program, status);
     const auto commands = program.get_subcommands([](const CLI::App*) { return true; });

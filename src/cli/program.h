@@ -92,6 +92,7 @@ void add_render(CLI::App& program, int& status);
 void add_view(CLI::App& program, int& status);
 void add_schemes(CLI::App& program, int& status);
 void add_gallery(CLI::App& program, int& status);
+void add_analyze(CLI::App& program, int& status);
 void add_devices(CLI::App& program, int& status);
 void add_bench(CLI::App& program, int& status);  // bench/bench_command.cpp, where benchmarks are built
 

@@ -18,10 +18,12 @@ double cross(Complex a, Complex b) {
 
 bool has_positive_corners(const Topology& t, uint32_t f, const Points& points) {
     double size = 0;
-    for (const uint32_t v : t.vertices_of_face(f)) size = std::max(size, std::abs(points[v] - points[t.vertices_of_face(f)[0]]));
+    for (const uint32_t v : t.vertices_of_face(f))
+        size = std::max(size, std::abs(points[v] - points[t.vertices_of_face(f)[0]]));
     for (uint32_t c = t.face_begin(f), i = t.size_of_face(f); i-- != 0; ++c) {
         const Complex at = points[t.face_vertices[c]];
-        const Complex next = points[end_vertex(t, c)] - at, previous = points[t.face_vertices[t.previous_corner(c)]] - at;
+        const Complex next = points[end_vertex(t, c)] - at,
+                      previous = points[t.face_vertices[t.previous_corner(c)]] - at;
         if (cross(next, previous) <= 1e-9 * size * size) return false;
     }
     return true;
@@ -52,7 +54,8 @@ bool is_regular_map(const SubdivisionScheme& scheme, const StarPatch& patch, con
     const Topology& t = map.stage.topology;
     for (uint32_t f = 0; f < t.face_count; ++f) {
         const auto vertices = t.vertices_of_face(f);
-        const bool decided = std::all_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return map.reach[v] < limit; });
+        const bool decided =
+            std::all_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return map.reach[v] < limit; });
         if (decided && !has_positive_corners(t, f, map.points)) return false;
     }
     return true;

@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSpread = 1e-4;      // a triple defective eigenvalue is off by the cube root of the precision
+constexpr double kSpread = 1e-3;  // a defective eigenvalue of a block of n is off by the n-th root of the precision
 constexpr double kSameModulus = 1e-7;
 constexpr double kSingular = 1e-9;
 
@@ -94,7 +94,8 @@ void append_columns(Eigen::MatrixXd& to, const Eigen::MatrixXd& columns) {
 Eigen::MatrixXd matrix_of_rows(const std::vector<Row>& rows, uint32_t source_count) {
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(static_cast<int>(rows.size()), static_cast<int>(source_count));
     for (size_t r = 0; r < rows.size(); ++r)
-        for (const RowEntry& entry : rows[r]) matrix(static_cast<int>(r), static_cast<int>(entry.index)) += entry.weight;
+        for (const RowEntry& entry : rows[r])
+            matrix(static_cast<int>(r), static_cast<int>(entry.index)) += entry.weight;
     return matrix;
 }
 
@@ -146,9 +147,8 @@ Eigen::VectorXd position_mask(const Eigen::MatrixXd& matrix) {
 
 LeftVectors::LeftVectors(const Eigen::MatrixXd& matrix) : transposed_(matrix.transpose()) {
     eigenvalues_ = sorted_eigenvalues(matrix);
-    const auto one = std::min_element(eigenvalues_.begin(), eigenvalues_.end(), [](Complex a, Complex b) {
-        return std::abs(a - 1.0) < std::abs(b - 1.0);
-    });
+    const auto one = std::min_element(eigenvalues_.begin(), eigenvalues_.end(),
+                                      [](Complex a, Complex b) { return std::abs(a - 1.0) < std::abs(b - 1.0); });
     if (one != eigenvalues_.end()) eigenvalues_.erase(one);
 }
 
@@ -163,11 +163,11 @@ Eigen::MatrixXd LeftVectors::next() {
         for (size_t k = begin; k < at_; ++k) seen = seen || std::abs(eigenvalues_[k] - value) < kSameModulus;
         if (seen) continue;
         if (value.imag() == 0) {
-            append_columns(group,
-                           null_space_of<Eigen::MatrixXd>(transposed_ - value.real() * Eigen::MatrixXd::Identity(n, n)));
+            append_columns(
+                group, null_space_of<Eigen::MatrixXd>(transposed_ - value.real() * Eigen::MatrixXd::Identity(n, n)));
         } else {
-            const Eigen::MatrixXcd vectors = null_space_of<Eigen::MatrixXcd>(
-                transposed_.cast<Complex>() - value * Eigen::MatrixXcd::Identity(n, n));
+            const Eigen::MatrixXcd vectors =
+                null_space_of<Eigen::MatrixXcd>(transposed_.cast<Complex>() - value * Eigen::MatrixXcd::Identity(n, n));
             append_columns(group, vectors.real());
             append_columns(group, vectors.imag());
         }

@@ -19,8 +19,8 @@ std::vector<int> closed_labels(const Eigen::MatrixXd& matrix, const std::vector<
 /// The block of a closed set of labels.
 Eigen::MatrixXd block_of(const Eigen::MatrixXd& matrix, const std::vector<int>& labels);
 
-/// Largest modulus first; of equal ones the larger real part. Eigenvalues of a defective cluster, which rounding spreads,
-/// are replaced by their mean.
+/// Largest modulus first; of equal ones the larger real part. Eigenvalues of a defective cluster, which rounding
+/// spreads, are replaced by their mean.
 std::vector<std::complex<double>> sorted_eigenvalues(const Eigen::MatrixXd& matrix);
 std::vector<std::complex<double>> sorted_eigenvalues(const Eigen::MatrixXcd& matrix);
 
@@ -32,8 +32,8 @@ Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& matrix);
 Eigen::VectorXd position_mask(const Eigen::MatrixXd& matrix);
 
 /// The left eigenvectors of the eigenvalues after 1 that have the same modulus, group after group, largest first: real
-/// orthonormal vectors, of complex pairs real and imaginary parts. True eigenvectors alone, fewer than eigenvalues where
-/// those are defective.
+/// orthonormal vectors, of complex pairs real and imaginary parts. True eigenvectors alone, fewer than eigenvalues
+/// where those are defective.
 class LeftVectors {
   public:
     explicit LeftVectors(const Eigen::MatrixXd& matrix);

@@ -180,8 +180,7 @@ Continuity classify(const SchemeAnalysis& a, bool subdominant) {
 /// The right eigenvector of the first frequency's largest eigenvalue, in the plane; empty where it is not simple.
 VectorXcd plane_of(const Neighborhood& around, const std::vector<std::vector<int>>& orbits, const MatrixXcd& block,
                    Complex lambda, uint32_t valence) {
-    const MatrixXcd kernel = null_space(
-        MatrixXcd(block - lambda * MatrixXcd::Identity(block.rows(), block.cols())));
+    const MatrixXcd kernel = null_space(MatrixXcd(block - lambda * MatrixXcd::Identity(block.rows(), block.cols())));
     if (kernel.cols() != 1) return {};
     VectorXcd z = VectorXcd::Zero(around.patch.size());
     Eigen::Index row = 0;
@@ -249,8 +248,9 @@ MatrixXd dual_vectors(const Neighborhood& around, const MatrixXd& left, const do
 
 Result<void> analyze_boundary(const SubdivisionScheme& scheme, const AnalysisOptions& options,
                               const Neighborhood& around, SchemeAnalysis& out) {
-    StarLimits limits(scheme);
-    const auto mask = limits.make(extract_patch(around.patch.stage, around.patch.element, scheme.period, scheme.rings));
+    StarLimits limits(scheme, patch_rings(scheme));
+    const auto mask =
+        limits.make(extract_patch(around.patch.stage, around.patch.element, scheme.period, patch_rings(scheme)));
     if (!mask) return mask.error();
     const MatrixXd left = tangents_of(**mask, around.patch.size());
     double lambda[2];
@@ -261,9 +261,8 @@ Result<void> analyze_boundary(const SubdivisionScheme& scheme, const AnalysisOpt
     out.frequencies.push_back({0, sorted_eigenvalues(around.matrix)});
     auto others = out.frequencies[0].eigenvalues;
     for (const double known : {1.0, lambda[0], lambda[1]})
-        others.erase(std::min_element(others.begin(), others.end(), [&](Complex a, Complex b) {
-            return std::abs(a - known) < std::abs(b - known);
-        }));
+        others.erase(std::min_element(others.begin(), others.end(),
+                                      [&](Complex a, Complex b) { return std::abs(a - known) < std::abs(b - known); }));
     for (const Complex value : others) out.third = std::max(out.third, std::abs(value));
     const MatrixXd right = dual_vectors(around, left, lambda);
     if (right.cols() == 2) {

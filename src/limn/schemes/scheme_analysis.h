@@ -1,4 +1,5 @@
-// What a scheme does around one vertex or face, analysed from its own steps: eigenvalues, characteristic map, continuity.
+// What a scheme does around one vertex or face, analysed from its own steps: eigenvalues, characteristic map,
+// continuity.
 #pragma once
 
 #include <complex>
@@ -44,9 +45,9 @@ struct SchemeAnalysis {
     /// Steps that turn the mesh by half a sector are turned back.
     uint32_t steps = 1;
     std::vector<Frequency> frequencies;
-    double lambda = 0;        ///< subdominant eigenvalue; of a boundary the one along it
-    double lambda_cross = 0;  ///< of a boundary the one across it, else lambda
-    double third = 0;         ///< largest modulus of all others, 1 excepted
+    double lambda = 0;              ///< subdominant eigenvalue; of a boundary the one along it
+    double lambda_cross = 0;        ///< of a boundary the one across it, else lambda
+    double third = 0;               ///< largest modulus of all others, 1 excepted
     std::complex<double> mu0, mu2;  ///< largest of frequency 0 after 1, and of frequency 2 (0 below valence 4)
     Continuity continuity = Continuity::not_smooth;
     Curvature curvature = Curvature::flat;  ///< not of boundaries
@@ -62,9 +63,9 @@ struct SchemeAnalysis {
     uint32_t point_count() const { return static_cast<uint32_t>(points.size() / 2); }
 };
 
-/// Builds a star, refines it until it repeats, and takes that step's matrix apart. Thread-safe. Errors: invalid_argument
-/// (options out of range), unsupported (boundaries of dual schemes, and of schemes whose boundary vertices leave the
-/// boundary).
+/// Builds a star, refines it until it repeats, and takes that step's matrix apart. Thread-safe. Errors:
+/// invalid_argument (options out of range), unsupported (boundaries of dual schemes, and of schemes whose boundary
+/// vertices leave the boundary).
 Result<SchemeAnalysis> analyze_scheme(const SubdivisionScheme& scheme, const AnalysisOptions& options);
 
 /// In words: "C1", "not C1: ...".

@@ -45,7 +45,8 @@ Array<uint8_t> find_regular(const Stage& stage, RegularKind kind, uint32_t rings
         for_each_index(t.vertex_count, part, [&](uint32_t v) {
             uint8_t all = regular[v];
             for (uint32_t i = 0; all != 0 && i < face_valence(t, v); ++i)
-                for (const uint32_t w : t.vertices_of_face(t.face_of_corner(t.corners_of_vertex(v)[i]))) all &= regular[w];
+                for (const uint32_t w : t.vertices_of_face(t.face_of_corner(t.corners_of_vertex(v)[i])))
+                    all &= regular[w];
             next[v] = all;
         });
         std::swap(regular, next);
@@ -67,7 +68,7 @@ Element middle_face(const Topology& t, uint32_t v) {
 class LimitRows {
   public:
     LimitRows(const Stage& stage, const SubdivisionScheme& scheme)
-        : stage_(stage), scheme_(scheme), limits_(scheme) {}
+        : stage_(stage), scheme_(scheme), limits_(scheme, patch_rings(scheme)) {}
 
     /// Errors: those of StarLimits::make; Error::element is the vertex.
     Result<RowSource> find(uint32_t v, StarWalk& walk) {
@@ -96,10 +97,10 @@ class LimitRows {
 
   private:
     Result<RowSource> find_element(Element element, StarWalk& walk) {
-        const StarStart start = canonical_start(stage_, element, scheme_.period, scheme_.rings, walk);
-        const auto key = patch_key(stage_, element, scheme_.period, scheme_.rings, walk);
+        const StarStart start = canonical_start(stage_, element, scheme_.period, patch_rings(scheme_), walk);
+        const auto key = patch_key(stage_, element, scheme_.period, patch_rings(scheme_), walk);
         if (const StarMask* mask = limits_.find(key)) return RowSource{mask, start};
-        auto mask = limits_.make(make_patch(stage_, element, scheme_.period, scheme_.rings, walk));
+        auto mask = limits_.make(make_patch(stage_, element, scheme_.period, patch_rings(scheme_), walk));
         if (!mask) return mask.error();
         return RowSource{*mask, start};
     }
@@ -139,7 +140,7 @@ Result<Array<RowSource>> find_sources(const Stage& stage, const SubdivisionSchem
     const uint32_t count = stage.topology.vertex_count;
     Array<RowSource> sources;
     sources.assign(count, {});
-    const Array<uint8_t> regular = find_regular(stage, regular_kind(scheme), scheme.rings, part.part(0, 0.2f));
+    const Array<uint8_t> regular = find_regular(stage, regular_kind(scheme), patch_rings(scheme), part.part(0, 0.2f));
     if (auto ok = part.check(); !ok) return ok.error();
     FirstError errors;
     const auto* first = std::find(regular.begin(), regular.end(), uint8_t{1});

@@ -10,8 +10,9 @@ namespace limn {
 /// `refined` was built with full_last_level, from a mesh and with boundary rules of any kind.
 ///
 /// A vertex goes to the limit of what becomes of it step after step: of a primal scheme the vertex itself; of a dual
-/// one the face that it turns into, whose centre lies off the boundary where the vertex was on it. A vertex that turns
-/// into nothing (boundaries that shrink) takes the limit of the middle one of its faces.
+/// one the face that it turns into. Where boundary vertices turn into faces (dual schemes, repeated averaging) their
+/// limits lie off the boundary. A vertex that turns into nothing (boundaries that shrink) takes the limit of the middle
+/// one of its faces.
 ///
 /// Exact for all sharpness and near irregular vertices, too: neighbourhoods are refined until they repeat, then the
 /// eigenvectors hold (build_limit_table's limits, not build_limit_step_table's, where sharpness is finite).

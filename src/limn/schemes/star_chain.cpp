@@ -1,5 +1,7 @@
 #include "limn/schemes/star_chain.h"
 
+#include <numeric>
+
 #include "limn/schemes/eigen_masks.h"
 
 namespace limn {
@@ -16,7 +18,8 @@ Eigen::VectorXcd StarChain::step(Eigen::VectorXcd points) const {
         const std::vector<Row>& rows = in_cycle(i).rows;
         Eigen::VectorXcd next = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(rows.size()));
         for (size_t r = 0; r < rows.size(); ++r)
-            for (const RowEntry& entry : rows[r]) next[static_cast<Eigen::Index>(r)] += entry.weight * points[entry.index];
+            for (const RowEntry& entry : rows[r])
+                next[static_cast<Eigen::Index>(r)] += entry.weight * points[entry.index];
         points = std::move(next);
     }
     return points;
@@ -26,6 +29,11 @@ Eigen::MatrixXd StarChain::matrix_of_cycle(uint32_t count) const {
     Eigen::MatrixXd matrix = matrix_of_rows(in_cycle(0).rows, in_cycle(0).patch.size());
     for (size_t i = 1; i < cycle_size(); ++i)
         matrix = (matrix_of_rows(in_cycle(i).rows, in_cycle(i).patch.size()) * matrix).eval();
+    std::vector<int> labels(count);
+    std::iota(labels.begin(), labels.end(), 0);
+    labels = closed_labels(matrix, labels);
+    for (const uint32_t end : in_cycle(0).patch.ring_ends)
+        if (count <= static_cast<uint32_t>(labels.back())) count = end;
     return matrix.topLeftCorner(count, count);
 }
 

@@ -1,4 +1,5 @@
-// Step after step around an element, until a neighbourhood comes again. Includes Eigen: not part of the public interface.
+// Step after step around an element, until a neighbourhood comes again. Includes Eigen: not part of the public
+// interface.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +29,7 @@ struct StarChain {
     const StarLink& in_cycle(size_t i) const;
     /// What the steps of the cycle together do to points of in_cycle(0).
     Eigen::VectorXcd step(Eigen::VectorXcd points) const;
-    /// The same as a matrix, of the first `count` points, which depend on no others.
+    /// The same as a matrix, of the first `count` points and all rings that they depend on.
     Eigen::MatrixXd matrix_of_cycle(uint32_t count) const;
 };
 

@@ -115,7 +115,8 @@ std::optional<Tangents> crease_tangents(const StarPatch& patch, const MatrixXd& 
     const std::vector<int> along = closed_labels(matrix, sector.ends);
     LeftVectors of_curve(block_of(matrix, along));
     const MatrixXd curve = of_curve.next();
-    if (curve.cols() == 2) return Tangents{scatter(curve.col(0), along, patch.size()), scatter(curve.col(1), along, patch.size())};
+    if (curve.cols() == 2)
+        return Tangents{scatter(curve.col(0), along, patch.size()), scatter(curve.col(1), along, patch.size())};
     if (curve.cols() != 1) return {};
     VectorXd first = scatter(curve.col(0), along, patch.size());
     if (first[sector.ends[1]] < 0) first = -first;
@@ -149,8 +150,7 @@ FullMask stationary_mask(const StarPatch& patch, const MatrixXd& matrix) {
     FullMask mask;
     const std::vector<int> labels = closed_labels(matrix, ring_labels(patch));
     mask.position = scatter(position_mask(block_of(matrix, labels)), labels, patch.size());
-    const SharpEdges sharp =
-        patch.element.is_face ? SharpEdges{} : infinitely_sharp_edges(patch.stage.topology, 0);
+    const SharpEdges sharp = patch.element.is_face ? SharpEdges{} : infinitely_sharp_edges(patch.stage.topology, 0);
     auto tangents = sharp.count >= 2 ? crease_tangents(patch, matrix, sharp) : smooth_tangents(patch, matrix);
     mask.smooth = tangents.has_value();
     if (tangents)
@@ -205,8 +205,8 @@ const StarMask* StarLimits::insert(const std::vector<uint32_t>& key, StarMask ma
 }
 
 Result<const StarMask*> StarLimits::make(const StarPatch& patch) {
-    auto chain = follow_steps(patch, scheme_, scheme_.rings,
-                              [&](const std::vector<uint32_t>& key) { return find(key) != nullptr; });
+    auto chain =
+        follow_steps(patch, scheme_, rings_, [&](const std::vector<uint32_t>& key) { return find(key) != nullptr; });
     if (!chain) return chain.error();
     if (!chain->exists) {
         StarMask none;

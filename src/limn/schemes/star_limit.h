@@ -23,7 +23,8 @@ struct StarMask {
 /// Masks by key, made when they are asked for. Thread-safe; what they are does not depend on the order.
 class StarLimits {
   public:
-    explicit StarLimits(const SubdivisionScheme& scheme) : scheme_(scheme) {}
+    /// Of patches of `rings` rings.
+    StarLimits(const SubdivisionScheme& scheme, uint32_t rings) : scheme_(scheme), rings_(rings) {}
 
     /// The mask of a key, or null: not made yet.
     const StarMask* find(const std::vector<uint32_t>& key) const;
@@ -34,6 +35,7 @@ class StarLimits {
     const StarMask* insert(const std::vector<uint32_t>& key, StarMask mask);
 
     const SubdivisionScheme& scheme_;
+    const uint32_t rings_;
     mutable std::shared_mutex mutex_;
     std::map<std::vector<uint32_t>, StarMask> masks_;
 };

@@ -191,7 +191,8 @@ void StarWalk::walk_manifold(const Topology& t, StarStart start, uint32_t rings)
     walk(t, start, rings);
     walked_faces_.clear();
     auto add_walked = [&](size_t from) {
-        for (; from < face_corners.size(); ++from) walked_faces_.find_or_insert(t.face_of_corner(face_corners[from]), 0);
+        for (; from < face_corners.size(); ++from)
+            walked_faces_.find_or_insert(t.face_of_corner(face_corners[from]), 0);
     };
     add_walked(0);
     for (uint32_t i = ring_ends[rings - 1]; i < vertices.size(); ++i) {

@@ -10,6 +10,11 @@
 
 namespace limn {
 
+/// SubdivisionScheme::patch_rings.
+inline uint32_t patch_rings(const SubdivisionScheme& scheme) {
+    return scheme.patch_rings != 0 ? scheme.patch_rings : scheme.rings + 1;
+}
+
 /// Where a walk begins: an element and, counted within its fan or face, a corner of it.
 struct StarStart {
     Element element;

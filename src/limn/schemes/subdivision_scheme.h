@@ -75,6 +75,9 @@ struct SubdivisionScheme {
     uint32_t period = 1;  ///< steps after which boundary rules repeat
     /// Rings of faces around a point on which its limit depends at most, boundaries and irregular vertices included.
     uint32_t rings = 2;
+    /// Rings of faces to cut out around a point so that refining them alone, step after step, finds its limit; 0: one
+    /// more than `rings`, which is enough.
+    uint32_t patch_rings = 0;
 };
 
 /// All schemes, in the order of the literature: Catmull-Clark, Loop and bilinear among them, by the same machinery.
