@@ -57,6 +57,7 @@ class Crowd {
     uint32_t instance_count() const;
     /// Null where there is no such instance.
     const CrowdInstance* find(uint32_t instance) const;
+    /// 0 before the first add; from then on one more whenever all is laid out anew.
     uint64_t layout() const;
 
     /// Tables as others are, holes included: for evaluate.h, tessellate.h, build_grid_table. Surfaces that no

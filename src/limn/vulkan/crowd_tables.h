@@ -7,8 +7,8 @@
 
 namespace limn::vk {
 
-/// Tables as others are: prepare with them what is evaluated and tessellated. Their counts are what there is room for. Empty before
-/// the first update. Stay where they are while anything is prepared with them.
+/// Tables of one crowd, as others are: prepare with them what is evaluated and tessellated. Their counts are what
+/// there is room for. Empty before the first update. They stay where they are while anything is prepared with them.
 struct DeviceCrowd {
     DevicePatchTable patches;
     DeviceTessellationTable topology;
