@@ -238,8 +238,7 @@ void bench_tables(const Session& session, const BenchModel& model, const TableEd
     EditableMesh edited = value_or_fail(options, EditableMesh::create(model.mesh, {}, &cache));
     Row row = row_of(model, edit.task, "limn", Side::limn);
     row.parameters.clear();
-    row.items = 2;
-    row.unit = "edits";
+    row.items *= 2;
     row.note = verify_edit(options, row, edit, cache, edited) + "; there and back";
     row.timing = measure(options, [&] { return edit.apply(edited, false) && edit.apply(edited, true); });
     session.report.add(row);

@@ -378,19 +378,68 @@ TEST(MeshEdit, AndSoAreThoseOfRandomMeshes) {
     }
 }
 
-TEST(MeshEdit, AndSoAreThoseOfMessyMeshesWithAnyOptions) {
+/// Quads alone, most of them regular, with two creases.
+TestMesh make_creased_grid() {
+    constexpr uint32_t kColumns = 20, kRows = 16;
+    TestMesh mesh = make_grid(kColumns, kRows);
+    for (uint32_t row = 0; row < kRows; ++row)
+        for (const uint32_t column : {6u, 13u}) {
+            const uint32_t v = row * (kColumns + 1) + column;
+            mesh.add_crease(v, v + kColumns + 1, column == 6 ? 2.5 : kInfiniteSharpness);
+        }
+    return mesh;
+}
+
+TEST(MeshEdit, AndSoAreThoseOfLargerMeshesWithAnyOptions) {
     uint64_t seed = 0;
     for (const auto boundary : {BoundaryInterpolation::none, BoundaryInterpolation::edge_only,
                                 BoundaryInterpolation::edge_and_corner})
         for (const auto creasing : {CreasingMethod::uniform, CreasingMethod::chaikin}) {
-            TestMesh quads = make_messy_torus(24, 20, ++seed), triangles = make_triangle_torus(20, 16);
-            for (TestMesh* mesh : {&quads, &triangles}) {
-                mesh->options.boundary = boundary;
-                mesh->options.creasing = creasing;
+            TestMesh meshes[] = {make_messy_torus(24, 20, ++seed), make_creased_grid(),
+                                 make_triangle_torus(20, 16)};
+            meshes[2].options.scheme = Scheme::loop;
+            for (TestMesh& mesh : meshes) {
+                mesh.options.boundary = boundary;
+                mesh.options.creasing = creasing;
+                EXPECT_EQ(edit_and_compare(control_mesh(mesh), {}, 30, 0.5, seed), "") << "seed " << seed;
             }
-            triangles.options.scheme = Scheme::loop;
-            EXPECT_EQ(edit_and_compare(control_mesh(quads), {}, 30, 0.5, seed), "") << "seed " << seed;
-            EXPECT_EQ(edit_and_compare(control_mesh(triangles), {}, 30, 0.5, seed), "") << "seed " << seed;
+        }
+}
+
+/// Indices take 16 bits where all fit: here none do. What stays in place is not written again; what moves is.
+TEST(MeshEdit, AndSoAreThoseOfMeshesOfMorePointsThan16BitsTell) {
+    TestMesh mesh = make_torus(300, 240);
+    RandomNumbers random(1);
+    for (uint32_t i = 0; i < 300; ++i) {
+        const uint32_t c = 4 * random.below(mesh.face_count());
+        mesh.add_crease(mesh.face_vertices[c], mesh.face_vertices[c + 1],
+                        i % 3 == 0 ? kInfiniteSharpness : 1.5);
+    }
+    EXPECT_EQ(edit_and_compare(control_mesh(mesh), {}, 8, 0, 1), "");
+    EXPECT_EQ(edit_and_compare(control_mesh(mesh), {}, 8, 0.7, 2), "");
+}
+
+/// With Chaikin creasing, what an edge of a chain gets changes its neighbours in the chain, and what touches
+/// those: also where that is in another part of the mesh.
+TEST(MeshEdit, ChaikinCreasesReachOneEdgeFurther) {
+    constexpr uint32_t kColumns = 20, kRows = 16;
+    TestMesh mesh = make_grid(kColumns, kRows);
+    mesh.options.creasing = CreasingMethod::chaikin;
+    const auto vertex = [](uint32_t row, uint32_t column) { return row * (kColumns + 1) + column; };
+    for (uint32_t row = 0; row < kRows; ++row)
+        for (uint32_t column = 1; column < kColumns; ++column)
+            mesh.add_crease(vertex(row, column), vertex(row + 1, column), 2.5);
+    const PlanCache cache;
+    auto edited = EditableMesh::create(control_mesh(mesh), {}, &cache);
+    ASSERT_TRUE(edited);
+    Model model(control_mesh(mesh));
+    for (uint32_t row = 0; row < kRows; ++row)
+        for (const uint32_t column : {3u, 9u, 15u}) {
+            Edit edit;
+            edit.set_crease(vertex(row, column), vertex(row + 1, column), 1.5f);
+            ASSERT_TRUE(edited->edit(edit.view()));
+            model.apply(edit);
+            ASSERT_EQ(difference(*edited, model.create(), {}, cache), "") << row << " " << column;
         }
 }
 

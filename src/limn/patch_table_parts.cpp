@@ -247,10 +247,13 @@ void write_rings(const Array<uint32_t>& control_indices, const PatchTableParts<R
             const std::vector<uint32_t>& rings = c.chunks[k]->rings;
             uint32_t* const to = points.data() + c.places[k].first_ring;
             for_each_ring(*c.chunks[k], [&](const Candidate& at, uint32_t, uint32_t first) {
-                for (size_t i = first; i < first + at.ring_size; ++i)
-                    to[i] = at.refined != 0            ? point_of_child[rings[i]]
-                            : !control_indices.empty() ? control_indices[rings[i]]
-                                                       : rings[i];
+                const uint32_t end = first + at.ring_size;
+                if (at.refined != 0)
+                    for (uint32_t i = first; i < end; ++i) to[i] = point_of_child[rings[i]];
+                else if (!control_indices.empty())
+                    for (uint32_t i = first; i < end; ++i) to[i] = control_indices[rings[i]];
+                else
+                    std::copy(rings.begin() + first, rings.begin() + end, to + first);
             });
         },
         4);
