@@ -1,4 +1,4 @@
-# Fails where a file includes something that stands below it in the source lists of CMakeLists.txt (`flow`), where the
+# Fails where a file includes something that stands below it in the source lists of src/sources.cmake (`flow`), where the
 # CPU library includes Vulkan, where a kernel includes more than kernels/limn, and where a source is not listed.
 cmake_minimum_required(VERSION 3.23)
 
@@ -14,7 +14,7 @@ file(GLOB sources src/limn/*.h src/limn/*.cpp src/limn/schemes/* src/limn/c/* sr
 foreach(source IN LISTS sources)
     file(RELATIVE_PATH source ${CMAKE_CURRENT_SOURCE_DIR} ${source})
     if(NOT source IN_LIST flow)
-        message(SEND_ERROR "${source} is not in the source lists of CMakeLists.txt")
+        message(SEND_ERROR "${source} is not in the source lists of src/sources.cmake")
     endif()
 endforeach()
 
@@ -23,7 +23,7 @@ foreach(source IN LISTS flow)
     read_includes(${source} included)
     foreach(name IN LISTS included)
         if(name MATCHES "^limn/" AND NOT name IN_LIST above)
-            message(SEND_ERROR "${source} includes ${name}, which does not stand above it in CMakeLists.txt")
+            message(SEND_ERROR "${source} includes ${name}, which does not stand above it in src/sources.cmake")
         elseif(name MATCHES "^(vulkan|limn_kernels|volk|vk)" AND NOT source MATCHES "^src/limn/(vulkan/|osd/|c/.*vulkan)")
             message(SEND_ERROR "${source} includes ${name}: only src/limn/vulkan, src/limn/osd and the C interface to it know Vulkan")
         elseif(source MATCHES "^kernels/limn/shared/" AND NOT name MATCHES "^limn/" AND NOT source MATCHES "interop.h$")

@@ -189,7 +189,9 @@ Result<void> evaluate_by_scheme(const Options& options, const SubdivisionScheme&
         samples.push_back({sample.face, static_cast<double>(sample.u), static_cast<double>(sample.v)});
     }
     progress.show("building the stencils of " + plural(samples.size(), "sample"));
-    const auto built = build_scheme_sample_table<float>(loaded->mesh, scheme, samples);
+    const auto corners = corner_values_of(*loaded, scheme);
+    if (!corners) return name_model(options, corners.error());
+    const auto built = build_scheme_sample_table<float>(loaded->mesh, scheme, samples, *corners);
     if (!built) return name_model(options, built.error());
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <utility>
 
 namespace limn::cli {
@@ -68,6 +69,20 @@ void split_creases(Model& model, Midpoints& midpoints) {
     model.crease_vertices = std::move(vertices);
 }
 
+/// Both halves of an edge have half of its knot interval.
+void split_intervals(Model& model, Midpoints& midpoints) {
+    std::vector<uint32_t> edges;
+    std::vector<float> intervals;
+    for (size_t i = 0; i < model.intervals.size(); ++i) {
+        const uint32_t a = model.interval_edges[2 * i], b = model.interval_edges[2 * i + 1];
+        const uint32_t middle = midpoints.of_edge(a, b);
+        edges.insert(edges.end(), {a, middle, b, middle});
+        intervals.insert(intervals.end(), 2, 0.5f * model.intervals[i]);
+    }
+    model.interval_edges = std::move(edges);
+    model.intervals = std::move(intervals);
+}
+
 /// Holes again, where face f has become parts[f] faces.
 void renumber_holes(Model& model, const std::vector<uint32_t>& parts) {
     std::vector<uint32_t> first(parts.size() + 1, 0), holes;
@@ -112,6 +127,7 @@ void split_into_quads(Model& model) {
         begin += n;
     }
     split_creases(model, points);
+    split_intervals(model, points);
     renumber_holes(model, model.face_sizes);
     model.face_vertices = std::move(vertices);
     model.face_texture_coordinates = std::move(values);

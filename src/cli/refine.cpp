@@ -134,7 +134,9 @@ Result<void> refine_by_scheme(const Options& options, const LoadedModel& loaded,
         out.normals = std::move(vertices->normals);
         keep_faces(std::move(surface->face_offsets), std::move(surface->face_vertices), out.topology);
     } else {
-        auto refinement = build_scheme_refinement<float>(loaded.mesh, scheme, {options.level});
+        const auto corners = corner_values_of(loaded, scheme);
+        if (!corners) return corners.error();
+        auto refinement = build_scheme_refinement<float>(loaded.mesh, scheme, {options.level}, *corners);
         if (!refinement) return refinement.error();
         auto points = runner.run(refinement->tables, loaded.model.positions, 3);
         if (!points) return points.error();

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "limn/file.h"
+#include "limn/schemes/corner_values.h"
 #include "limn/vulkan/buffer.h"
 
 namespace limn::cli {
@@ -55,10 +56,19 @@ Result<uint32_t> steps_within_reason(const LoadedModel& model, const Subdivision
     return steps;
 }
 
+Result<std::vector<double>> corner_values_of(const LoadedModel& model, const SubdivisionScheme& scheme) {
+    if (scheme.corner_values == CornerValues::angles) return corner_angles(model.mesh, model.model.positions);
+    if (scheme.corner_values == CornerValues::intervals && !model.model.intervals.empty())
+        return corner_intervals(model.mesh, model.model.interval_edges, model.model.intervals);
+    return std::vector<double>();
+}
+
 Result<SchemeSurface> build_model_surface(const std::string& path, const LoadedModel& model,
                                           const SubdivisionScheme& scheme, uint32_t level, Progress& progress) {
     progress.show("refining " + plural(model.mesh.face_count(), "face"));
-    auto surface = build_scheme_surface(model.mesh, scheme, {level});
+    const auto corners = corner_values_of(model, scheme);
+    auto surface = corners ? build_scheme_surface(model.mesh, scheme, {level}, *corners)
+                           : Result<SchemeSurface>(corners.error());
     if (surface) return surface;
     Error error = surface.error();
     error.message = printable(path) + ": " + error.message;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "cli/program.h"
 #include "cli/run_device.h"
@@ -20,6 +21,9 @@ void note_left_out(const std::string& path, const LoadedModel& model, const Subd
 /// Steps for a rate, no more than kMostSchemeTriangles allows. Errors: too_large where even one step is too much.
 inline constexpr uint64_t kMostSchemeTriangles = uint64_t{1} << 25;
 Result<uint32_t> steps_within_reason(const LoadedModel& model, const SubdivisionScheme& scheme, double rate);
+
+/// What the scheme takes at corners: knot intervals of the model's tags, or angles between its edges. Errors: missing_edge.
+Result<std::vector<double>> corner_values_of(const LoadedModel& model, const SubdivisionScheme& scheme);
 
 /// Errors name the model.
 Result<SchemeSurface> build_model_surface(const std::string& path, const LoadedModel& model,

@@ -33,7 +33,10 @@ Result<viewer::ViewModel> load_view_model(const Options& options, const std::str
     if (const SubdivisionScheme* even = scheme_without_patches(surface)) {
         Result<LoadedModel> loaded = load_model(options.model, surface);
         if (!loaded) return loaded.error();
-        return viewer::ViewModel{nullptr, std::move(loaded->mesh), std::move(loaded->model.positions), even};
+        auto corners = corner_values_of(*loaded, *even);
+        if (!corners) return corners.error();
+        return viewer::ViewModel{nullptr, std::move(loaded->mesh), std::move(loaded->model.positions), even,
+                                 std::move(*corners)};
     }
     Progress progress;
     Result<ModelTables> loaded = ModelTables::load(options.model, surface, "none", {}, progress);

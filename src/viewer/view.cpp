@@ -186,7 +186,7 @@ Result<void> Session::rebuild_evenly(const ViewModel& model) {
     const double corners = std::max(1.0, static_cast<double>(model.mesh.face_vertices.size()));
     const auto most = static_cast<uint32_t>(std::log(std::max(1.0, kMostEvenTriangles / (2 * corners))) / std::log(growth));
     const uint32_t level = std::min(steps_for_rate(*model.scheme, rate), most);
-    const auto tables = build_scheme_surface(model.mesh, *model.scheme, {level});
+    const auto tables = build_scheme_surface(model.mesh, *model.scheme, {level}, model.corner_values);
     if (!tables) return tables.error();
     auto even = SchemeMesh::create(device_, *evaluator_, *tables, model.positions);
     if (!even) return even.error();

@@ -22,6 +22,7 @@ struct ViewModel {
     ControlMesh mesh;
     std::vector<float> positions;  ///< 3 per vertex
     const SubdivisionScheme* scheme = nullptr;
+    std::vector<double> corner_values;  ///< as build_scheme_surface takes them
 };
 
 struct ViewOptions {

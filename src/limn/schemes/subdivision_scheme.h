@@ -62,6 +62,9 @@ enum class CreaseRules : uint8_t {
     semi_sharp,  ///< all of ControlMesh's
 };
 
+/// What Stage::intervals are to a scheme (corner_values.h); where none are given all are one, and all corners convex.
+enum class CornerValues : uint8_t { none, intervals, angles };
+
 struct SubdivisionScheme {
     const char* name;  ///< of --scheme: lower case, digits and dashes
     const char* title;
@@ -72,6 +75,7 @@ struct SubdivisionScheme {
     bool interpolates = false;   ///< points of the control mesh stay where they are
     bool reconstructed = false;  ///< rules that could not be compared with the paper's own text
     CreaseRules creases = CreaseRules::none;
+    CornerValues corner_values = CornerValues::none;
     uint32_t period = 1;  ///< steps after which boundary rules repeat
     /// Rings of faces around a point on which its limit depends at most, boundaries and irregular vertices included.
     uint32_t rings = 2;

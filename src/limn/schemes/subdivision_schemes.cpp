@@ -219,7 +219,8 @@ std::vector<SubdivisionScheme> list_schemes() {
              "Biermann, Levin and Zorin 2000; concave corners' flatness is a reconstruction, normals are left out",
          .passes = catmull_clark_blz_passes(),
          .reconstructed = true,
-         .creases = CreaseRules::semi_sharp},
+         .creases = CreaseRules::semi_sharp,
+         .corner_values = CornerValues::angles},
         {.name = "loop-blz",
          .title = "Loop, smooth up to boundaries",
          .source =
@@ -227,7 +228,8 @@ std::vector<SubdivisionScheme> list_schemes() {
          .passes = loop_blz_passes(),
          .faces = FaceKind::triangles,
          .reconstructed = true,
-         .creases = CreaseRules::semi_sharp},
+         .creases = CreaseRules::semi_sharp,
+         .corner_values = CornerValues::angles},
         {.name = "catmark-g2",
          .title = "Catmull-Clark, G2",
          .source = "Prautzsch and Umlauf 1998, by construction: coefficients are not theirs",
@@ -255,14 +257,16 @@ std::vector<SubdivisionScheme> list_schemes() {
          .source = "Sederberg, Zheng, Sewell and Sabin 1998; boundaries and unlike intervals of opposite edges are a "
                    "reconstruction",
          .passes = nurss_passes(),
-         .reconstructed = true},
+         .reconstructed = true,
+         .corner_values = CornerValues::intervals},
         {.name = "nurss-quadratic",
          .title = "NURSS, quadratic",
          .source =
              "Sederberg, Zheng, Sewell and Sabin 1998; faces that are no quads and boundaries are a reconstruction",
          .passes = nurss_quadratic_passes(),
          .dual = true,
-         .reconstructed = true},
+         .reconstructed = true,
+         .corner_values = CornerValues::intervals},
     };
 }
 
