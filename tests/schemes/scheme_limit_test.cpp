@@ -55,7 +55,7 @@ PointAndNormal limit_from_rings(const Stage& stage, StarStart start, const Subdi
     Points t1(3, 0.0), t2(3, 0.0);
     for (size_t i = 0; i < (*mask)->labels.size(); ++i)
         for (size_t k = 0; k < 3; ++k) {
-            const double x = std::sin(12.9898 * walk.vertices[(*mask)->labels[i]] + 78.233 * static_cast<double>(k));
+            const double x = std::sin((12.9898 + 3.77 * static_cast<double>(k)) * walk.vertices[(*mask)->labels[i]]);
             out.point[k] += (*mask)->position[i] * x;
             t1[k] += (*mask)->tangent1[i] * x;
             t2[k] += (*mask)->tangent2[i] * x;
