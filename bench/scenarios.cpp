@@ -14,7 +14,7 @@ namespace limn::bench {
     X(osd_interop,  "a frame: OpenSubdiv's own stencils and patches, by limn::osd and by OpenSubdiv") \
     X(tessellate,   "a frame: control points to vertices, triangles and the draw command") \
     X(latency,      "a cube: control points to a grid of 8x8 samples, from submission to fence") \
-    X(edit,         "a crease gets another sharpness: from there to the first frame") \
+    X(edit,         "a crease gets another sharpness: from there to the first frame; tables edited in place") \
     X(load,         "a file, OBJ or baked, to its first frame: opened, built, uploaded, tessellated") \
     X(crowd,        "a thousand different meshes in one batch, beside one mesh as large") \
     X(schemes,      "uniform refinement by every scheme, beside CGAL and OpenMesh") \

@@ -1,6 +1,6 @@
 // A mesh whose topology changes while its surface is drawn: creases, corners, holes and faces, edited in
 // place. Its tables are, to the bit, those that builders make of the mesh as it is now; but a change walks
-// around those faces again that it touches, and around no others.
+// around those faces again that it touches, and around few others.
 #pragma once
 
 #include <memory>
@@ -46,12 +46,12 @@ struct EditWork {
     bool tessellation = false;  ///< else the tessellation table is what it was
 };
 
-/// A mesh and its tables. One thread at a time; tables may be read by any while none edits. They stay where
-/// they are: what is drawn meanwhile needs copies, or uploads, of its own. Takes about twice the memory of
-/// its tables on top of them.
+/// A mesh and its tables. One thread at a time; tables may be read by any while none edits. They change in
+/// place: what is drawn meanwhile needs uploads, or copies, of its own. Beside its tables a mesh takes
+/// some 1.6 times their memory; while faces change, that once more.
 ///
-/// Channels of the mesh are kept where faces do not change, and their patch tables are not made here:
-/// build_face_varying_patch_table makes those of mesh().
+/// Tables are those of vertex (or varying) data. Those of face-varying channels are not made here, but by
+/// build_face_varying_patch_table of mesh(); and a mesh that has channels keeps its faces.
 class EditableMesh {
   public:
     /// Builds all tables. `cache` may be null, else it outlives this. Errors: as build_patch_table and
