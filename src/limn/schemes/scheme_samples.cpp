@@ -95,7 +95,7 @@ struct FacePatch {
 class Sampler {
   public:
     Sampler(const Stage& stage, const SubdivisionScheme& scheme)
-        : stage_(stage), scheme_(scheme), limits_(scheme), triangles_(scheme.faces == FaceKind::triangles) {}
+        : stage_(stage), scheme_(scheme), limits_(scheme, patch_rings(scheme)), triangles_(scheme.faces == FaceKind::triangles) {}
 
     /// Rows over control points. Errors: unsupported.
     Result<SampleRow> row_of(Place place) {
@@ -122,7 +122,7 @@ class Sampler {
 
   private:
     FacePatch cut(const Stage& stage, uint32_t face) const {
-        const uint32_t rings = scheme_.rings + 1;
+        const uint32_t rings = patch_rings(scheme_) + 1;
         StarWalk walk;
         walk.walk_manifold(stage.topology, {{true, face}, 0}, rings);
         FacePatch out{make_patch(stage, {true, face}, scheme_.period, rings, walk), {}};
@@ -132,11 +132,11 @@ class Sampler {
 
     Result<SampleRow> limit_at(const Stage& stage, uint32_t v) {
         StarWalk walk;
-        const StarStart start = canonical_start(stage, {false, v}, scheme_.period, scheme_.rings, walk);
-        const auto key = patch_key(stage, {false, v}, scheme_.period, scheme_.rings, walk);
+        const StarStart start = canonical_start(stage, {false, v}, scheme_.period, patch_rings(scheme_), walk);
+        const auto key = patch_key(stage, {false, v}, scheme_.period, patch_rings(scheme_), walk);
         const StarMask* mask = limits_.find(key);
         if (mask == nullptr) {
-            auto made = limits_.make(make_patch(stage, start.element, scheme_.period, scheme_.rings, walk));
+            auto made = limits_.make(make_patch(stage, start.element, scheme_.period, patch_rings(scheme_), walk));
             if (!made) return made.error();
             mask = *made;
         }
