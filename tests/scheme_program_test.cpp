@@ -111,6 +111,36 @@ TEST_F(Program, cuts_faces_for_schemes_that_want_others) {
     EXPECT_TRUE(is_closed(*quads));
 }
 
+TEST_F(Program, analyzes_schemes) {
+    const Outcome one = run("analyze --scheme catmark --valence 5 -o map.svg");
+    ASSERT_EQ(one.status, 0) << one.errors;
+    EXPECT_NE(one.output.find("0.549988"), std::string::npos) << one.output;  // schemes.md 4.2
+    EXPECT_NE(read("map.svg").find("<svg"), std::string::npos);
+    EXPECT_NE(read("map.svg").find("</svg>"), std::string::npos);
+    const Outcome all = run("analyze --scheme doo-sabin --json");
+    ASSERT_EQ(all.status, 0) << all.errors;
+    EXPECT_NE(all.output.find("0.5"), std::string::npos);
+    ASSERT_EQ(run("analyze --scheme sqrt3 --valence 6 -o map.png").status, 0) << read("err.txt");
+    EXPECT_EQ(read("map.png").substr(1, 3), "PNG");
+    expect_failure("analyze --scheme nothing", 2, "nothing");
+    expect_failure("analyze --scheme loop --valence 2", 2, "valence");
+    expect_failure("analyze --scheme loop --valence 5 -o nowhere/result.svg", 1, "nowhere/result.svg");
+}
+
+TEST_F(Program, takes_knot_intervals_of_edges) {
+    write("even.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 1\nv 1 1 0\nv 2 1 1\nv 0 2 0\nv 1 2 1\nv 2 2 0\n"
+                      "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n");
+    write("uneven.obj", read("even.obj") + "t interval 2/1/0 4 5 3\nt interval 2/1/0 1 2 3\nt interval 2/1/0 7 8 3\n");
+    for (const char* name : {"even", "uneven"})
+        ASSERT_EQ(run(std::string("refine ") + name + ".obj --scheme nurss --level 2 -o " + name + "_2.obj").status, 0) << read("err.txt");
+    EXPECT_NE(read("even_2.obj"), read("uneven_2.obj"));
+    ASSERT_EQ(run("refine even.obj --scheme catmark --level 2 -o catmark_2.obj").status, 0);
+    const auto a = read_obj(path("even_2.obj")), b = read_obj(path("catmark_2.obj"));
+    ASSERT_TRUE(a && b);
+    ASSERT_EQ(a->positions.size(), b->positions.size());
+    for (size_t i = 0; i < a->positions.size(); ++i) EXPECT_NEAR(a->positions[i], b->positions[i], 2e-6);
+}
+
 TEST_F(Program, evaluates_schemes_by_limit_stencils) {
     write("samples.csv", "0,0,0\n0,0.5,0.5\n5,0.25,0.75\n9,0,0\n0,2,0\n");
     ASSERT_EQ(run("eval cube.obj --scheme kobbelt --at samples.csv -o device.csv --validation").status, 0) << read("err.txt");

@@ -62,6 +62,7 @@ set(vulkan_test_files
     tests/vulkan/curve_eval_test.cpp
     tests/vulkan/refine_on_device_test.cpp
     tests/vulkan/scheme_test.cpp
+    tests/vulkan/scheme_evaluator_test.cpp
     tests/vulkan/surface_eval_test.cpp
     tests/vulkan/curvature_eval_test.cpp
     tests/vulkan/tree_eval_test.cpp
