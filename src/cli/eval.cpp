@@ -179,6 +179,9 @@ Result<void> evaluate_by_scheme(const Options& options, const SubdivisionScheme&
     progress.show("reading " + options.model);
     const Result<LoadedModel> loaded = load_model(options.model, options.surface);
     if (!loaded) return loaded.error();
+    if (!has_coordinates(scheme))
+        return name_model(options, {ErrorCode::unsupported, std::string(scheme.title) + " does not split faces in four: "
+                                                            "places on them have no coordinates"});
     note_left_out(options.model, *loaded, scheme, progress);
     progress.show("reading " + options.samples);
     const Result<std::vector<SampleRow>> rows = read_samples(options.samples);

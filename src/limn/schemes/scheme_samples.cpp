@@ -37,7 +37,7 @@ uint32_t descend(bool triangles, Place& place) {
         return place.corner;
     }
     const double u = 2 * place.u, v = 2 * place.v;
-    const bool right = u >= 1, upper = v >= 1;
+    const bool right = u >= 1, upper = v >= 1 && !(triangles && right);
     place.u = u - right;
     place.v = v - upper;
     if (!triangles) return upper ? (right ? 2 : 3) : (right ? 1 : 0);
