@@ -57,7 +57,7 @@ struct Candidates {
 struct CandidateSource {
     const Topology& base;
     PlanOptions options;
-    std::vector<uint8_t> regular;  ///< find_regular_vertices, unless options.linear
+    std::vector<uint8_t> regular;  ///< find_regular_vertices, unless options.linear or Doo-Sabin
 
     CandidateSource(const Topology& t, const PlanOptions& o, const BuildPart& part = {});
 };

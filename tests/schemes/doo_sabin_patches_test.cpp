@@ -1,4 +1,5 @@
-// Doo-Sabin patch tables against tensor-product splines, and against refinement, whose face centroids are limit points.
+// Doo-Sabin patch tables against tensor-product splines, and against refinement, whose face centroids are
+// limit points.
 #include "limn/schemes/doo_sabin_patches.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +57,8 @@ struct Surfaces {
     PatchTableDouble table;
     Points points;
 };
-Surfaces surfaces_of(const RefinedMesh& mesh, const PatchTableOptions& options = {}, const PlanCache* cache = nullptr) {
+Surfaces surfaces_of(const RefinedMesh& mesh, const PatchTableOptions& options = {},
+                     const PlanCache* cache = nullptr) {
     Surfaces out{mesh, control_mesh_of(mesh, kDooSabin), {}, {}};
     auto table = build_patch_table<double>(out.control, options, cache);
     EXPECT_TRUE(table) << table.error().message;
@@ -123,7 +125,9 @@ std::vector<CornerPlaces> corner_places(const ControlMesh& mesh) {
         const double u[5] = {0, 1, 1, 0, 0}, v[5] = {0, 0, 1, 1, 0};
         for (uint32_t j = 0; j < size; ++j) {
             if (size == 4)
-                out.push_back({{ptex, u[j], v[j]}, {ptex, (u[j] + u[j + 1]) / 2, (v[j] + v[j + 1]) / 2}, {ptex, 0.5, 0.5}});
+                out.push_back({{ptex, u[j], v[j]},
+                               {ptex, (u[j] + u[j + 1]) / 2, (v[j] + v[j + 1]) / 2},
+                               {ptex, 0.5, 0.5}});
             else
                 out.push_back({{ptex + j, 0, 0}, {ptex + j, 1, 0}, {ptex + j, 1, 1}});
         }
@@ -138,12 +142,14 @@ TEST(DooSabinPatches, are_the_biquadratic_spline_of_a_torus) {
     EXPECT_EQ(s.table.plans.size(), 1u);
     RandomNumbers random(3);
     std::vector<PatchSample> samples;
-    for (uint32_t i = 0; i < 500; ++i) samples.push_back({random.below(n * n), random.uniform(0, 1), random.uniform(0, 1)});
+    for (uint32_t i = 0; i < 500; ++i)
+        samples.push_back({random.below(n * n), random.uniform(0, 1), random.uniform(0, 1)});
     const auto values = evaluate(s, samples);
     // Weights, first and second derivatives of three control points in a row; the middle one is `nearest`.
-    auto spline = [](double x, double (&w)[3][3]) {
+    auto spline = [](double x, double(&w)[3][3]) {
         const double nearest = std::floor(x + 0.5), t = x - nearest + 0.5;
-        const double f[3][3] = {{(1 - t) * (1 - t) / 2, 0.5 + t * (1 - t), t * t / 2}, {t - 1, 1 - 2 * t, t}, {1, -2, 1}};
+        const double f[3][3] = {
+            {(1 - t) * (1 - t) / 2, 0.5 + t * (1 - t), t * t / 2}, {t - 1, 1 - 2 * t, t}, {1, -2, 1}};
         std::copy_n(&f[0][0], 9, &w[0][0]);
         return static_cast<uint32_t>(nearest);
     };
@@ -157,15 +163,16 @@ TEST(DooSabinPatches, are_the_biquadratic_spline_of_a_torus) {
             for (uint32_t b = 0; b < 3; ++b)
                 for (uint32_t a = 0; a < 3; ++a)
                     for (size_t c = 0; c < 3; ++c)
-                        sum[c] += wv[order[k][1]][b] * wu[order[k][0]][a] *
-                                  s.mesh.points[3 * ((row + b + n - 1) % n * n + (column + a + n - 1) % n) + c];
+                        sum[c] +=
+                            wv[order[k][1]][b] * wu[order[k][0]][a] *
+                            s.mesh.points[3 * ((row + b + n - 1) % n * n + (column + a + n - 1) % n) + c];
             EXPECT_LT(distance(values[i][k], sum), 1e-11) << i << " " << k;
         }
     }
 }
 
-// Level 1 has faces of faces, of edges and of vertices, in this order: their centroids are where ptex faces have their
-// middles, the middles of their sides and their corners.
+// Level 1 has faces of faces, of edges and of vertices, in this order: their centroids are where ptex faces
+// have their middles, the middles of their sides and their corners.
 TEST(DooSabinPatches, corners_are_centroids_of_level_1) {
     for (const RefinedMesh& mesh : closed_meshes()) {
         const Surfaces s = surfaces_of(mesh);
@@ -179,7 +186,8 @@ TEST(DooSabinPatches, corners_are_centroids_of_level_1) {
             const uint32_t faces[3] = {base.face_count + base.edge_count + base.face_vertices[c],
                                        base.face_count + base.face_edges[c], base.face_of_corner(c)};
             for (size_t k = 0; k < 3; ++k)
-                EXPECT_LT(distance(values[3 * c + k][0], centroid(level.topology, faces[k], level.points)), 1e-12);
+                EXPECT_LT(distance(values[3 * c + k][0], centroid(level.topology, faces[k], level.points)),
+                          1e-12);
         }
     }
 }
@@ -219,7 +227,8 @@ TEST(DooSabinPatches, go_through_all_centroids_of_refined_meshes) {
             for (const Vector& p : points) {
                 auto at = std::lower_bound(others.begin(), others.end(), Vector{p[0] - 1e-11, -1e9, -1e9});
                 double least = 1;
-                for (; at != others.end() && (*at)[0] <= p[0] + 1e-11; ++at) least = std::min(least, distance(p, *at));
+                for (; at != others.end() && (*at)[0] <= p[0] + 1e-11; ++at)
+                    least = std::min(least, distance(p, *at));
                 EXPECT_LT(least, 1e-12);
             }
         };
@@ -237,8 +246,12 @@ TEST(DooSabinPatches, derivatives_are_those_of_positions) {
         constexpr double h = 1e-5;
         std::vector<PatchSample> samples;
         for (uint32_t i = 0; i < 300; ++i) {
-            const PatchSample at = {random.below(faces), random.uniform(0.01, 0.99), random.uniform(0.01, 0.99)};
-            samples.insert(samples.end(), {at, {at.face, at.u - h, at.v}, {at.face, at.u + h, at.v}, {at.face, at.u, at.v - h},
+            const PatchSample at = {random.below(faces), random.uniform(0.01, 0.99),
+                                    random.uniform(0.01, 0.99)};
+            samples.insert(samples.end(), {at,
+                                           {at.face, at.u - h, at.v},
+                                           {at.face, at.u + h, at.v},
+                                           {at.face, at.u, at.v - h},
                                            {at.face, at.u, at.v + h}});
         }
         const auto values = evaluate(s, samples);
@@ -264,12 +277,14 @@ TEST(DooSabinPatches, normals_at_corners_are_those_of_limit_tables) {
                         out[3 * size_t{r} + i] += weights[k] * mesh.points[3 * size_t{limit->indices[k]} + i];
             return out;
         };
-        const Points position = apply(limit->weights), t1 = apply(limit->tangent1_weights), t2 = apply(limit->tangent2_weights);
+        const Points position = apply(limit->weights), t1 = apply(limit->tangent1_weights),
+                     t2 = apply(limit->tangent2_weights);
         std::vector<PatchSample> samples;
         for (const CornerPlaces& at : corner_places(s.control)) {
             // And what comes near it: beside a corner tangents turn as slowly as one likes.
             const double u = at.face.u - at.vertex.u, v = at.face.v - at.vertex.v;
-            samples.insert(samples.end(), {at.vertex, {at.vertex.face, at.vertex.u + 1e-7 * u, at.vertex.v + 2e-7 * v}});
+            samples.insert(samples.end(),
+                           {at.vertex, {at.vertex.face, at.vertex.u + 1e-7 * u, at.vertex.v + 2e-7 * v}});
         }
         const auto values = evaluate(s, samples);
         for (uint32_t c = 0; c < s.control.face_vertices.size(); ++c) {
@@ -290,7 +305,8 @@ TEST(DooSabinPatches, tangents_at_corners_are_along_sides) {
         for (const CornerPlaces& at : corner_places(s.control))
             for (const PatchSample& corner : {at.vertex, at.face}) {
                 auto beside = [&](double u, double v) {
-                    return PatchSample{corner.face, corner.u + u * (corner.u > 0.5 ? -1 : 1), corner.v + v * (corner.v > 0.5 ? -1 : 1)};
+                    return PatchSample{corner.face, corner.u + u * (corner.u > 0.5 ? -1 : 1),
+                                       corner.v + v * (corner.v > 0.5 ? -1 : 1)};
                 };
                 if (corner.u == 0.5) continue;  // the middle of a quad is regular
                 samples.insert(samples.end(), {corner, beside(1e-6, 0), beside(0, 1e-6)});
@@ -310,7 +326,8 @@ TEST(DooSabinPatches, tangents_at_corners_are_along_sides) {
 TEST(DooSabinPatches, do_not_depend_on_the_depth_of_plans_or_the_cache) {
     const RefinedMesh mesh = make_random_manifold(scheme(), false, 2);
     const PlanCache cache;
-    const Surfaces one = surfaces_of(mesh, {.plan_depth = 1}), again = surfaces_of(mesh, {.plan_depth = 1}, &cache),
+    const Surfaces one = surfaces_of(mesh, {.plan_depth = 1}),
+                   again = surfaces_of(mesh, {.plan_depth = 1}, &cache),
                    deep = surfaces_of(mesh, {.plan_depth = 7}, &cache);
     EXPECT_EQ(one.table.plans.size(), again.table.plans.size());
     const auto plans = cache.size();
@@ -320,8 +337,8 @@ TEST(DooSabinPatches, do_not_depend_on_the_depth_of_plans_or_the_cache) {
     RandomNumbers random(1);
     std::vector<PatchSample> samples;
     for (uint32_t i = 0; i < 1000; ++i)
-        samples.push_back({random.below(static_cast<uint32_t>(one.table.ptex_surfaces.size())), std::pow(random.uniform(0, 1), 6),
-                           std::pow(random.uniform(0, 1), 6)});
+        samples.push_back({random.below(static_cast<uint32_t>(one.table.ptex_surfaces.size())),
+                           std::pow(random.uniform(0, 1), 6), std::pow(random.uniform(0, 1), 6)});
     const auto a = evaluate(one, samples), b = evaluate(again, samples), c = evaluate(deep, samples);
     for (size_t i = 0; i < samples.size(); ++i) {
         EXPECT_EQ(a[i], b[i]);
@@ -377,9 +394,11 @@ TEST(DooSabinPatches, tessellations_are_closed) {
         std::vector<PatchSample> samples;
         for (uint32_t e = 0; e < base.edge_count; ++e)
             for (const double t : {0.0, 0.13, 0.4, 0.5, 0.77, 1.0})
-                samples.insert(samples.end(), {on_edge(base.corners_of_edge(e)[0], t), on_edge(base.corners_of_edge(e)[1], 1 - t)});
+                samples.insert(samples.end(), {on_edge(base.corners_of_edge(e)[0], t),
+                                               on_edge(base.corners_of_edge(e)[1], 1 - t)});
         const auto values = evaluate(s, samples);
-        for (size_t i = 0; i < values.size(); i += 2) EXPECT_LT(distance(values[i][0], values[i + 1][0]), 1e-12) << i;
+        for (size_t i = 0; i < values.size(); i += 2)
+            EXPECT_LT(distance(values[i][0], values[i + 1][0]), 1e-12) << i;
     }
 }
 
@@ -427,7 +446,9 @@ TEST(DooSabinPatches, open_meshes_end_before_their_boundaries) {
 }
 
 TEST(DooSabinPatches, refuse_what_they_cannot_be_made_of) {
-    auto code_of = [](const auto& result) { return result ? std::nullopt : std::optional(result.error().code); };
+    auto code_of = [](const auto& result) {
+        return result ? std::nullopt : std::optional(result.error().code);
+    };
     auto mesh_of = [](const TestMesh& mesh) { return *ControlMesh::create(mesh.description()); };
     TestMesh grid = make_grid(3, 3);
     grid.options.scheme = Scheme::doo_sabin;
@@ -449,7 +470,8 @@ TEST(DooSabinPatches, refuse_what_they_cannot_be_made_of) {
     cube.options.scheme = Scheme::doo_sabin;
     add_channel(cube, FaceVaryingInterpolation::none, [](uint32_t, uint32_t) { return false; });
     add_channel(cube, FaceVaryingInterpolation::all, [](uint32_t a, uint32_t b) { return a + b == 1; });
-    EXPECT_EQ(code_of(build_patch_table<float>(mesh_of(cube), {.end_cap = EndCap::gregory})), ErrorCode::unsupported);
+    EXPECT_EQ(code_of(build_patch_table<float>(mesh_of(cube), {.end_cap = EndCap::gregory})),
+              ErrorCode::unsupported);
     EXPECT_EQ(code_of(build_refinement(mesh_of(cube), {1})), ErrorCode::unsupported);
     EXPECT_EQ(code_of(build_face_varying_patch_table<float>(mesh_of(cube), 0, {})), ErrorCode::unsupported);
     EXPECT_EQ(code_of(EditableMesh::create(mesh_of(cube), {})), ErrorCode::unsupported);
@@ -471,9 +493,12 @@ TEST(DooSabinPatches, creases_are_left_out) {
     cube.add_corner(3, 2);
     const ControlMesh creased = *ControlMesh::create(cube.description());
     const PatchTable a = *build_patch_table<float>(smooth, {}), b = *build_patch_table<float>(creased, {});
-    EXPECT_TRUE(std::equal(a.plan_weights.begin(), a.plan_weights.end(), b.plan_weights.begin(), b.plan_weights.end()));
-    EXPECT_TRUE(std::equal(a.point_weights.begin(), a.point_weights.end(), b.point_weights.begin(), b.point_weights.end()));
-    EXPECT_EQ(build_tessellation_table(smooth, {})->corner_count, build_tessellation_table(creased, {})->corner_count);
+    EXPECT_TRUE(std::equal(a.plan_weights.begin(), a.plan_weights.end(), b.plan_weights.begin(),
+                           b.plan_weights.end()));
+    EXPECT_TRUE(std::equal(a.point_weights.begin(), a.point_weights.end(), b.point_weights.begin(),
+                           b.point_weights.end()));
+    EXPECT_EQ(build_tessellation_table(smooth, {})->corner_count,
+              build_tessellation_table(creased, {})->corner_count);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ namespace {
 using PlanRow = std::vector<double>;  ///< over a plan's ring
 using Ring = std::vector<PlanRow>;    ///< rows of the points of a ring, this level's or a finer one's
 
-/// Places in a ring of the points of the four faces at the surface's corners, in the order of those; each counter-clockwise
-/// from the surface's point on.
+/// Places in a ring of the points of the four faces at the surface's corners, in the order of those; each
+/// counter-clockwise from the surface's point on.
 struct RingFaces {
     std::array<std::vector<uint32_t>, 4> points;
 
@@ -31,9 +31,12 @@ struct RingFaces {
     }
 };
 
-/// A biquadratic patch over points in rows of 3, as a bicubic one: the cubic control points of a quadratic polynomial.
-constexpr double kElevation[4][3] = {
-    {11.0 / 6, -7.0 / 6, 2.0 / 6}, {2.0 / 6, 5.0 / 6, -1.0 / 6}, {-1.0 / 6, 5.0 / 6, 2.0 / 6}, {2.0 / 6, -7.0 / 6, 11.0 / 6}};
+/// A biquadratic patch over points in rows of 3, as a bicubic one: the cubic control points of a quadratic
+/// polynomial.
+constexpr double kElevation[4][3] = {{11.0 / 6, -7.0 / 6, 2.0 / 6},
+                                     {2.0 / 6, 5.0 / 6, -1.0 / 6},
+                                     {-1.0 / 6, 5.0 / 6, 2.0 / 6},
+                                     {2.0 / 6, -7.0 / 6, 11.0 / 6}};
 
 class PlanWriter {
   public:
@@ -167,7 +170,8 @@ const BuiltPlan* find_or_build(uint32_t near, uint32_t far, uint32_t depth, Plan
 }
 
 Error refuse(uint32_t vertex, const char* cause) {
-    return Error{ErrorCode::unsupported, "Doo-Sabin patches take " + std::string(cause) + ": vertex " + std::to_string(vertex),
+    return Error{ErrorCode::unsupported,
+                 "Doo-Sabin patches take " + std::string(cause) + ": vertex " + std::to_string(vertex),
                  vertex};
 }
 
@@ -213,9 +217,11 @@ class ChunkWriter {
         rings.insert(rings.end(), around_vertex_.begin(), around_vertex_.end());
         rings.insert(rings.end(), around_face_.begin() + 1, around_face_.end());
         rings.insert(rings.end(), {opposite[0], opposite[1]});
-        const auto near = static_cast<uint32_t>(around_vertex_.size()), far = static_cast<uint32_t>(around_face_.size());
+        const auto near = static_cast<uint32_t>(around_vertex_.size()),
+                   far = static_cast<uint32_t>(around_face_.size());
         const uint32_t kind = find_kind(near, far, static_cast<uint32_t>(out_.list.size()));
-        out_.list.push_back({c - first_corner_, (turned ? 2 : place) & 3, 1, (near + far + 1) & 0x1fffffff, kind});
+        out_.list.push_back(
+            {c - first_corner_, (turned ? 2 : place) & 3, 1, (near + far + 1) & 0x1fffffff, kind});
     }
     /// The corner at the same vertex, counter-clockwise.
     uint32_t next_around(uint32_t c) const { return opposite_corner(t_, t_.previous_corner(c)); }
@@ -238,10 +244,10 @@ class ChunkWriter {
 Result<void> find_plans(CandidateChunk& chunk, uint32_t depth, PlanCache::Impl& cache) {
     for (const CandidateChunk::Kind& kind : chunk.kinds) {
         if (kind.hash[0] + kind.hash[1] + 1 > kMaxRingSize)
-            return Error{ErrorCode::unsupported,
-                         "more than " + std::to_string(kMaxRingSize) + " points lie around one face of the surface"};
-        chunk.plans.push_back(find_doo_sabin_plan(static_cast<uint32_t>(kind.hash[0]), static_cast<uint32_t>(kind.hash[1]),
-                                                  depth, cache));
+            return Error{ErrorCode::unsupported, "more than " + std::to_string(kMaxRingSize) +
+                                                     " points lie around one face of the surface"};
+        chunk.plans.push_back(find_doo_sabin_plan(static_cast<uint32_t>(kind.hash[0]),
+                                                  static_cast<uint32_t>(kind.hash[1]), depth, cache));
     }
     return {};
 }
@@ -253,8 +259,8 @@ const BuiltPlan* find_doo_sabin_plan(uint32_t near, uint32_t far, uint32_t depth
     return find_or_build(near, far, depth, cache);
 }
 
-Result<Candidates> find_doo_sabin_candidates(const Topology& base, const PlanOptions& options, PlanCache::Impl& cache,
-                                             const BuildPart& part) {
+Result<Candidates> find_doo_sabin_candidates(const Topology& base, const PlanOptions& options,
+                                             PlanCache::Impl& cache, const BuildPart& part) {
     if (auto ok = check_vertices(base); !ok) return ok.error();
     Candidates out;
     for (uint32_t f = 0; f < base.face_count; f += CandidateChunk::kFaceCount) out.first_faces.push_back(f);
