@@ -137,6 +137,8 @@ set(limn_files
     src/limn/refined_points.cpp
     src/limn/candidates.h
     src/limn/candidates.cpp
+    src/limn/schemes/doo_sabin_patches.h
+    src/limn/schemes/doo_sabin_patches.cpp
     src/limn/patch_table_parts.h
     src/limn/patch_table_parts.cpp
     src/limn/patch_table.cpp

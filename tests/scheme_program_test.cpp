@@ -54,7 +54,9 @@ TEST_F(Program, refines_and_tessellates_by_schemes_of_every_split) {
         ASSERT_EQ(run("tessellate cube.obj --rate 4 -o triangles.obj --validation" + options).status, 0) << read("err.txt");
         const auto triangles = read_obj(path("triangles.obj"));
         ASSERT_TRUE(triangles);
-        EXPECT_TRUE(is_closed(*triangles) || scheme.creases != CreaseRules::none);  // seams have vertices of their own
+        // With patches there are texture coordinates: seams have vertices of their own.
+        const bool has_patches = scheme.creases != CreaseRules::none || scheme.name == std::string("doo-sabin");
+        EXPECT_TRUE(is_closed(*triangles) || has_patches);
     }
 }
 
@@ -84,11 +86,12 @@ TEST_F(Program, refines_to_the_limit_by_schemes) {
 
 TEST_F(Program, says_which_schemes_a_command_takes) {
     expect_failure("refine cube.obj --level 1 --scheme doo -o result.obj", 2, "limn schemes");
-    expect_failure("bake cube.obj --scheme doo-sabin -o result.limn", 2, "limn bake takes catmark, loop and bilinear");
+    expect_failure("bake cube.obj --scheme kobbelt -o result.limn", 2, "limn bake takes no 'kobbelt': catmark, loop, bilinear, doo-sabin");
+    expect_failure("check cube.obj --scheme doo-sabin", 2, "limn check takes no 'doo-sabin': catmark, loop, bilinear");
     expect_failure("refine cube.obj --level 1 --scheme sqrt3 -o result.obj", 1,
                    "cube.obj:13: sqrt(3) takes triangles only: face 0 has 4 vertices (--triangulate cuts it)");
-    expect_failure("tessellate cube.obj --scheme doo-sabin --chord-error 0.1 -o result.obj", 2, "--rate");
-    expect_failure("tessellate cube.obj --scheme doo-sabin --max-triangles 10 -o result.obj", 2, "--rate");
+    expect_failure("tessellate cube.obj --scheme kobbelt --chord-error 0.1 -o result.obj", 2, "--rate");
+    expect_failure("tessellate cube.obj --scheme kobbelt --max-triangles 10 -o result.obj", 2, "--rate");
     expect_failure("tessellate cube.obj --scheme loop --triangulate --quads -o result.obj", 2, "--quads");
     write("book.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
     expect_failure("refine book.obj --level 1 --scheme doo-sabin -o result.obj", 1, "three faces");
@@ -152,8 +155,41 @@ TEST_F(Program, evaluates_schemes_by_limit_stencils) {
     EXPECT_EQ(std::count(device.begin(), device.end(), '\n'), 6);
     const std::string host = read("host.csv");
     EXPECT_EQ(std::count(host.begin(), host.end(), '\n'), 6);
-    expect_failure("eval cube.obj --scheme doo-sabin --at samples.csv -o result.csv", 1, "no coordinates");
+    write("plain.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    expect_failure("eval plain.obj --scheme mid-edge --at samples.csv -o result.csv", 1, "no coordinates");
     expect_failure("eval cube.obj --scheme kobbelt --texture --at samples.csv -o result.csv", 2, "no patches");
+}
+
+TEST_F(Program, evaluates_doo_sabin_by_patches) {
+    write("pyramid.obj",
+          "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 2 2 4\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
+    write("samples.csv", "0,0.5,0.5\n1,1,1\n");  // the middles of the square and of a triangle stay
+    const std::string options = " --scheme doo-sabin";
+    for (const char* device : {" --validation", " --device cpu"}) {
+        ASSERT_EQ(run("eval pyramid.obj --at samples.csv -o at.csv" + options + device).status, 0) << read("err.txt");
+        const std::string rows = read("at.csv");
+        float x[2][3] = {};
+        for (size_t row = 0, at = 0; row < 2; ++row) {
+            at = rows.find('\n', at) + 1;
+            ASSERT_EQ(std::sscanf(rows.c_str() + at, "%*u,%*f,%*f,%f,%f,%f", &x[row][0], &x[row][1], &x[row][2]), 3) << rows;
+        }
+        const float expected[2][3] = {{2, 2, 0}, {2, 2.0f / 3, 4.0f / 3}};
+        for (size_t row = 0; row < 2; ++row)
+            for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(x[row][k], expected[row][k], 1e-5f);
+        ASSERT_EQ(run("tessellate pyramid.obj --chord-error 0.05 -o triangles.obj" + options + device).status, 0) << read("err.txt");
+        const auto triangles = read_obj(path("triangles.obj"));
+        ASSERT_TRUE(triangles);
+        EXPECT_TRUE(is_closed(*triangles));
+    }
+    ASSERT_EQ(run("bake pyramid.obj -o pyramid.limn" + options).status, 0) << read("err.txt");
+    ASSERT_EQ(run("eval pyramid.limn --at samples.csv -o baked.csv --device cpu").status, 0) << read("err.txt");
+    EXPECT_EQ(read("baked.csv"), read("at.csv"));
+    EXPECT_EQ(run("info pyramid.obj" + options).status, 0);
+    // At boundaries there are no patches, but refinement.
+    write("open.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    EXPECT_EQ(run("tessellate open.obj --rate 4 -o open_triangles.obj" + options).status, 0) << read("err.txt");
+    expect_failure("tessellate open.obj --chord-error 0.1 -o result.obj" + options, 2, "--rate");
+    expect_failure("bake open.obj -o result.limn" + options, 1, "boundaries");
 }
 
 #ifdef LIMN_HAVE_WINDOW

@@ -220,7 +220,7 @@ void add_check(CLI::App& program, int& status) {
     command->add_option("--level", options->level, "Refinement level to compare at, 1 to 6")
         ->check(CLI::Range(1u, 6u))
         ->capture_default_str();
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::opensubdiv);
     add_device_option(*command, options->device);
     command->footer(
         "Exit status 1 if any error is out of tolerance. OpenSubdiv's deviations from its own limit are "

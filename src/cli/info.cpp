@@ -95,10 +95,18 @@ void summarize_table(const Result<PatchTable>& table, const char* what, std::opt
         s.notes.push_back("no patch table of " + std::string(what) + ": " + table.error().message);
 }
 
-Result<Summary> summarize(const ControlMesh& mesh) {
-    Result<Refinement> refinement = build_refinement(mesh, {1, false});
+/// Of the stencils of level 1; 0 of schemes that are not refined by these.
+Result<uint64_t> count_step_table_bytes(const ControlMesh& mesh) {
+    if (mesh.options.scheme == Scheme::doo_sabin) return uint64_t{0};
+    const Result<Refinement> refinement = build_refinement(mesh, {1, false});
     if (!refinement) return refinement.error();
-    const Topology& t = refinement->levels[0];
+    const auto step = build_step_table<float>(*refinement, 1);
+    if (!step) return step.error();
+    return step->bytes();
+}
+
+Result<Summary> summarize(const ControlMesh& mesh) {
+    const Topology t = build_topology(mesh);
     Summary s;
     s.vertices = t.vertex_count;
     s.edges = t.edge_count;
@@ -116,9 +124,9 @@ Result<Summary> summarize(const ControlMesh& mesh) {
         s.texture_values = mesh.channels[0].value_count;
         s.texture_seam_vertices = cut.vertex_count - (t.vertex_count - s.loose_vertices);
     }
-    const auto step = build_step_table<float>(*refinement, 1);
-    if (!step) return step.error();
-    s.step_table_bytes = step->bytes();
+    const auto step_table_bytes = count_step_table_bytes(mesh);
+    if (!step_table_bytes) return step_table_bytes.error();
+    s.step_table_bytes = *step_table_bytes;
     const PlanCache cache;
     summarize_table(build_patch_table<float>(mesh, {}, &cache), "positions", s.surface, s);
     if (!mesh.channels.empty())

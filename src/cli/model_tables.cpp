@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "cli/scheme_model.h"
 #include "limn/file.h"
 
 namespace limn::cli {
@@ -42,6 +43,7 @@ Result<BakedMesh> build_tables(const std::string& path, const SurfaceOptions& su
     progress.show("reading " + path);
     Result<LoadedModel> loaded = load_model(path, surface);
     if (!loaded) return loaded.error();
+    note_creases_left_out(path, *loaded, *find_subdivision_scheme(surface.scheme), progress);
     const auto name_model = [&](Error error) {
         error.message = printable(path) + ": " + error.message;
         return error;

@@ -22,7 +22,7 @@ struct Choice {
 };
 constexpr uint32_t kMostPixels = uint32_t{1} << 20;  // a side; devices say less
 constexpr Choice<Scheme> kSchemes[] = {
-    {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}};
+    {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}, {"doo-sabin", Scheme::doo_sabin}};
 constexpr Choice<BoundaryInterpolation> kBoundaries[] = {
     {"none", BoundaryInterpolation::none},
     {"edge-only", BoundaryInterpolation::edge_only},
@@ -103,6 +103,12 @@ std::vector<std::string> scheme_names() {
     return names(kSchemes);
 }
 
+std::vector<std::string> opensubdiv_scheme_names() {
+    std::vector<std::string> out = scheme_names();
+    out.erase(std::find(out.begin(), out.end(), "doo-sabin"));
+    return out;
+}
+
 std::vector<std::string> all_scheme_names() {
     std::vector<std::string> out = scheme_names();
     for (const SubdivisionScheme& scheme : subdivision_schemes())
@@ -112,15 +118,17 @@ std::vector<std::string> all_scheme_names() {
 
 void add_surface_options(CLI::App& command, SurfaceOptions& options, SchemesTaken schemes) {
     const char* group = kSurfaceGroup;
-    const bool all = schemes == SchemesTaken::all;
+    const auto known = all_scheme_names(), taken = schemes == SchemesTaken::all          ? known
+                                                   : schemes == SchemesTaken::opensubdiv ? opensubdiv_scheme_names()
+                                                                                         : scheme_names();
+    const std::string list = CLI::detail::join(taken, ", ");
     command
         .add_option("--scheme", options.scheme,
-                    all ? "Subdivision scheme; 'limn schemes' lists them" : "Subdivision scheme: catmark, loop or bilinear")
-        ->check([all, name = command.get_name()](const std::string& text) -> std::string {
-            const auto known = all_scheme_names(), taken = all ? known : scheme_names();
+                    schemes == SchemesTaken::all ? "Subdivision scheme; 'limn schemes' lists them" : "Subdivision scheme: " + list)
+        ->check([known, taken, list, name = command.get_name()](const std::string& text) -> std::string {
             if (std::find(taken.begin(), taken.end(), text) != taken.end()) return {};
             if (std::find(known.begin(), known.end(), text) != known.end())
-                return "'" + text + "' has no patches: limn " + name + " takes catmark, loop and bilinear";
+                return "limn " + name + " takes no '" + text + "': " + list;
             return "there is no scheme '" + text + "': limn schemes lists them";
         })
         ->capture_default_str()

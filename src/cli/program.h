@@ -29,13 +29,14 @@ struct SurfaceOptions {
     bool triangulate = false, quads = false;  ///< faces that the scheme does not take
 };
 inline constexpr const char* kSurfaceGroup = "Surface (the model's own tags hold where these are not given)";
-/// Which schemes a command takes: those with patches, or all that there are.
-enum class SchemesTaken { with_patches, all };
+/// Which schemes a command takes: those that OpenSubdiv has, those with patches, or all that there are.
+enum class SchemesTaken { opensubdiv, with_patches, all };
 void add_surface_options(CLI::App& command, SurfaceOptions& options,
                          SchemesTaken schemes = SchemesTaken::with_patches);
 
-/// The schemes with patches, and all.
+/// The schemes with patches, by Scheme; those of them that OpenSubdiv has; and all.
 std::vector<std::string> scheme_names();
+std::vector<std::string> opensubdiv_scheme_names();
 std::vector<std::string> all_scheme_names();
 
 /// A model file as a checked control mesh.

@@ -185,7 +185,7 @@ int run(const Options& options) {
     const Result<PointRunner> runner = PointRunner::create(*device);
     if (!runner) return fail(runner.error());
     RefinedMesh mesh;
-    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
+    const SubdivisionScheme* scheme = scheme_without_refinement(options.surface);
     const auto refined = scheme != nullptr
                              ? refine_by_scheme(options, *loaded, *scheme, *device, *runner, progress, mesh)
                              : refine_with_patches(options, *loaded, *runner, progress, mesh);

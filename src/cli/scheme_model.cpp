@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "limn/baked_file.h"
 #include "limn/file.h"
 #include "limn/schemes/corner_values.h"
+#include "limn/topology.h"
 #include "limn/vulkan/buffer.h"
 
 namespace limn::cli {
@@ -17,22 +19,47 @@ bool splits_in_four(const SubdivisionScheme& scheme) {
     });
 }
 
-}  // namespace
-
-const SubdivisionScheme* scheme_without_patches(const SurfaceOptions& options) {
-    const auto patches = scheme_names();
-    const bool with_patches = std::find(patches.begin(), patches.end(), options.scheme) != patches.end();
-    return with_patches ? nullptr : find_subdivision_scheme(options.scheme);
+/// A face that is drawn has a boundary edge.
+bool ends_at_boundary(const std::string& path, const SurfaceOptions& options) {
+    if (is_baked_file(path)) return false;
+    const Result<LoadedModel> loaded = load_model(path, options);
+    if (!loaded) return false;
+    const Topology t = build_topology(loaded->mesh);
+    for (uint32_t c = 0; c < t.corner_count(); ++c)
+        if (t.corners_of_edge(t.face_edges[c]).size() == 1 && t.face_holes[t.face_of_corner(c)] == 0) return true;
+    return false;
 }
 
-void note_left_out(const std::string& path, const LoadedModel& model, const SubdivisionScheme& scheme,
-                   Progress& progress) {
+/// The scheme that is asked for, unless it is one of these.
+const SubdivisionScheme* scheme_unless(const std::vector<std::string>& names, const SurfaceOptions& options) {
+    const bool found = std::find(names.begin(), names.end(), options.scheme) != names.end();
+    return found ? nullptr : find_subdivision_scheme(options.scheme);
+}
+
+}  // namespace
+
+const SubdivisionScheme* scheme_without_patches(const std::string& path, const SurfaceOptions& options) {
+    if (options.scheme == "doo-sabin") return ends_at_boundary(path, options) ? find_subdivision_scheme("doo-sabin") : nullptr;
+    return scheme_unless(scheme_names(), options);
+}
+
+const SubdivisionScheme* scheme_without_refinement(const SurfaceOptions& options) {
+    return scheme_unless(opensubdiv_scheme_names(), options);
+}
+
+void note_creases_left_out(const std::string& path, const LoadedModel& model, const SubdivisionScheme& scheme,
+                           Progress& progress) {
     const bool creases = !model.mesh.crease_edges.empty() || !model.mesh.corner_vertices.empty();
     if (creases && scheme.creases == CreaseRules::none) {
         progress.clear();
         std::fprintf(stderr, "limn: %s: note: %s has no creases: those of the model are left out\n",
                      printable(path).c_str(), scheme.title);
     }
+}
+
+void note_left_out(const std::string& path, const LoadedModel& model, const SubdivisionScheme& scheme,
+                   Progress& progress) {
+    note_creases_left_out(path, model, scheme, progress);
     if (!model.mesh.channels.empty() && !splits_in_four(scheme)) {
         progress.clear();
         std::fprintf(stderr, "limn: %s: note: %s goes without texture coordinates\n", printable(path).c_str(),

@@ -11,10 +11,15 @@
 
 namespace limn::cli {
 
-/// The scheme that is asked for where it is none of those with patches (catmark, loop, bilinear); else null.
-const SubdivisionScheme* scheme_without_patches(const SurfaceOptions& options);
+/// The scheme that is asked for where it has no patches, or not of this model, in an OBJ file: Doo-Sabin's reach to no
+/// boundary. Else null, also where the file cannot be read.
+const SubdivisionScheme* scheme_without_patches(const std::string& path, const SurfaceOptions& options);
+/// The scheme that is asked for where the levels of refinement.h are not its own; else null.
+const SubdivisionScheme* scheme_without_refinement(const SurfaceOptions& options);
 
-/// Says on standard error what of the model a scheme leaves out.
+/// Says on standard error what of the model a scheme leaves out: creases; and what tables without patches do.
+void note_creases_left_out(const std::string& path, const LoadedModel& model, const SubdivisionScheme& scheme,
+                           Progress& progress);
 void note_left_out(const std::string& path, const LoadedModel& model, const SubdivisionScheme& scheme,
                    Progress& progress);
 

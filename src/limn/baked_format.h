@@ -45,7 +45,7 @@ uint64_t largest_of(const T&) {
 }
 
 void visit_options(auto& visit, auto& o) {
-    visit.value(o.scheme, 2);
+    visit.value(o.scheme, 3);
     visit.value(o.boundary, 2);
     visit.value(o.creasing, 1);
     visit.value(o.triangles, 1);

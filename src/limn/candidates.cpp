@@ -181,7 +181,7 @@ Level1 refine_around(const CandidateSource& source, uint32_t first, uint32_t end
 
 CandidateSource::CandidateSource(const Topology& t, const PlanOptions& o, const BuildPart& part)
     : base(t), options(o) {
-    if (!o.linear) regular = find_regular_vertices(t, part);
+    if (!o.linear && t.options.scheme != Scheme::doo_sabin) regular = find_regular_vertices(t, part);
 }
 
 Candidates find_candidates(const CandidateSource& source, Level1& level1, const BuildPart& part) {

@@ -35,7 +35,7 @@ struct CandidateChunk {
     std::vector<uint32_t> rings;          ///< vertices of the candidates' levels, one ring after the other
     std::vector<const BuiltPlan*> plans;  ///< of kinds, once they are known
     uint32_t ptex_count = 0;
-    bool splits = false;  ///< has candidates of level 1
+    bool splits = false;  ///< has candidates of level 1 (not Doo-Sabin, which has no others)
 };
 
 /// What comes before a chunk.
@@ -57,7 +57,7 @@ struct Candidates {
 struct CandidateSource {
     const Topology& base;
     PlanOptions options;
-    std::vector<uint8_t> regular;  ///< find_regular_vertices, unless options.linear
+    std::vector<uint8_t> regular;  ///< find_regular_vertices, unless options.linear or Doo-Sabin
 
     CandidateSource(const Topology& t, const PlanOptions& o, const BuildPart& part = {});
 };
@@ -75,7 +75,9 @@ struct Level1 {
 inline uint32_t first_child_face(const Topology& base, uint32_t f) {
     return base.options.scheme == Scheme::loop ? 4 * f : base.face_begin(f);
 }
+/// Vertices of level 1: of Doo-Sabin the corners of the base level, with their numbers.
 inline uint32_t level1_vertex_count(const Topology& base) {
+    if (base.options.scheme == Scheme::doo_sabin) return base.corner_count();
     return base.vertex_count + (base.options.scheme == Scheme::loop ? 0 : base.face_count) + base.edge_count;
 }
 

@@ -284,6 +284,8 @@ Result<EditableMesh> EditableMesh::create(ControlMesh mesh, const EditableMeshOp
                                           const PlanCache* cache) {
     const BuildPart part = options.patches.control;
     if (auto ok = check_options(options.patches); !ok) return ok.error();
+    if (mesh.options.scheme == Scheme::doo_sabin)
+        return Error{ErrorCode::unsupported, "editing Doo-Sabin meshes: build their tables anew"};
     if (auto ok = part.start(); !ok) return ok.error();
     auto state = std::make_unique<State>();
     state->options = options;

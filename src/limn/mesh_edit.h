@@ -55,7 +55,7 @@ struct EditWork {
 class EditableMesh {
   public:
     /// Builds all tables. `cache` may be null, else it outlives this. Errors: as build_patch_table and
-    /// build_tessellation_table.
+    /// build_tessellation_table; unsupported (Doo-Sabin).
     static Result<EditableMesh> create(ControlMesh mesh, const EditableMeshOptions& options,
                                        const PlanCache* cache = nullptr);
 

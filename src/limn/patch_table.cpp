@@ -6,30 +6,40 @@
 
 #include "limn/patch_table_parts.h"
 #include "limn/refinement.h"
+#include "limn/schemes/doo_sabin_patches.h"
 
 namespace limn {
 namespace {
 
 constexpr float kTopologyEnd = 0.25f;  ///< of progress
 
+/// Surfaces with plans.
+Result<Candidates> find_surfaces(const CandidateSource& source, PlanCache::Impl& cache, const BuildPart& part) {
+    if (source.base.options.scheme == Scheme::doo_sabin)
+        return find_doo_sabin_candidates(source.base, source.options, cache, part);
+    Level1 level1;  // most of the memory that there is
+    Candidates out = find_candidates(source, level1, part.part(0, 0.8f));
+    if (auto ok = part.check(); !ok) return ok.error();
+    const auto level1_of = [&](uint32_t) -> const Level1& { return level1; };
+    if (auto ok = find_plans(source, level1_of, cache, out, part.part(0.8f, 1)); !ok) return ok.error();
+    return out;
+}
+
 template <class Real>
 Result<BasicPatchTable<Real>> build(const Refinement& from, const PatchTableOptions& options,
                                     const PlanCache* shared) {
     if (auto ok = check_options(options); !ok) return ok.error();
     const Topology& base = from.levels[0];
+    if (base.options.scheme == Scheme::doo_sabin && options.end_cap != EndCap::exact)
+        return Error{ErrorCode::unsupported, "Gregory end caps of Doo-Sabin patch tables"};
     const BuildPart& part = options.control;
     const PlanCache own;
     PlanCache::Impl& cache = (shared != nullptr ? *shared : own).impl();
     PatchTableParts<Real> parts;
     const CandidateSource source(base, plan_options(base.options, options), part.part(kTopologyEnd, 0.3f));
-    {
-        Level1 level1;  // most of the memory that there is
-        parts.candidates = find_candidates(source, level1, part.part(0.3f, 0.7f));
-        if (auto ok = part.check(); !ok) return ok.error();
-        const auto level1_of = [&](uint32_t) -> const Level1& { return level1; };
-        if (auto ok = find_plans(source, level1_of, cache, parts.candidates, part.part(0.7f, 0.8f)); !ok)
-            return ok.error();
-    }
+    auto surfaces = find_surfaces(source, cache, part.part(0.3f, 0.8f));
+    if (!surfaces) return surfaces.error();
+    parts.candidates = std::move(*surfaces);
     place_chunks(parts.candidates);
     parts.points.control_count = from.control_count;
     parts.points.first_children = find_child_blocks(base, parts.candidates.first_faces);
@@ -53,10 +63,16 @@ bool has_semi_sharp_edges(const Topology& t) {
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,
                                                 const PlanCache* cache) {
-    const auto refinement = build_refinement(
-        mesh, {.level = 0, .full_last_level = true, .control = options.control.part(0, kTopologyEnd)});
-    if (!refinement) return refinement.error();
-    return build<Real>(*refinement, options, cache);
+    if (auto ok = options.control.start(); !ok) return ok.error();
+    Refinement refinement;
+    refinement.control_count = mesh.vertex_count;
+    refinement.levels.push_back(build_topology(mesh, options.control.part(0, kTopologyEnd)));
+    if (auto ok = options.control.check(); !ok) return ok.error();
+    // Varying data are linear within ptex faces, whatever the scheme.
+    SchemeOptions& scheme = refinement.levels[0].options;
+    if (scheme.scheme == Scheme::doo_sabin && options.interpolation == Interpolation::varying)
+        scheme.scheme = Scheme::bilinear;
+    return build<Real>(refinement, options, cache);
 }
 
 template <class Real>

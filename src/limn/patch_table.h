@@ -185,6 +185,9 @@ class PlanCache {
 /// on what the cache holds, nor on the number of cores. Errors: invalid_argument (plan_depth,
 /// isolation_level); too_large past 2^31 - 1 corners, 2^32 ring points or 2^26 plans; unsupported where more
 /// than kMaxRingSize points lie around one face after the split (a vertex of valence 2,000 or more); cancelled.
+/// Doo-Sabin: every corner of a face is a surface, split faces' as they are, whole ones' one of four (kPtexSplit); sharpness
+/// is ignored. Errors: unsupported where a face that is no hole has a vertex (Error::element) on a boundary, of two faces or
+/// of more than one fan of faces, and with Gregory end caps. BoundaryInterpolation::none makes holes of faces at boundaries.
 /// A cancelled build leaves nothing but, perhaps, more plans in the cache.
 template <class Real>
 Result<BasicPatchTable<Real>> build_patch_table(const ControlMesh& mesh, const PatchTableOptions& options,

@@ -53,21 +53,23 @@ Result<void> PlanSet::build(const BuildPart& part) {
     return {};
 }
 
+std::pair<BuiltPlan*, bool> PlanCache::Impl::keep(const PlanKey& key, std::unique_ptr<BuiltPlan>&& plan) {
+    const auto [at, is_new] = plans.try_emplace(key, std::move(plan));
+    if (is_new)
+        bytes += key.size() * sizeof(uint32_t) + at->second->weights.size() * sizeof(double) +
+                 at->second->nodes.size() * sizeof(PlanNode) + at->second->points.size() * sizeof(uint32_t);
+    return {at->second.get(), is_new};
+}
+
 /// Another build may have put a plan there since it was looked for: then that one is taken.
 void PlanSet::keep_in_cache() {
     const std::lock_guard lock(cache_.mutex);
     std::vector<std::pair<BuiltPlan*, const std::vector<uint32_t>*>> kept;
     for (Entry& entry : entries_) {
         if (entry.built == nullptr) continue;
-        const auto [at, is_new] = cache_.plans.try_emplace(*entry.key, nullptr);
-        if (is_new) {
-            at->second = std::move(entry.built);
-            kept.emplace_back(at->second.get(), &entry.references);
-            const BuiltPlan& plan = *at->second;
-            cache_.bytes += entry.key->size() * sizeof(uint32_t) + plan.weights.size() * sizeof(double) +
-                            plan.nodes.size() * sizeof(PlanNode) + plan.points.size() * sizeof(uint32_t);
-        }
-        entry.plan = at->second.get();
+        const auto [plan, is_new] = cache_.keep(*entry.key, std::move(entry.built));
+        if (is_new) kept.emplace_back(plan, &entry.references);
+        entry.plan = plan;
     }
     for (const auto& [plan, references] : kept)
         for (const uint32_t r : *references) plan->references.push_back(entries_[r].plan);

@@ -19,6 +19,10 @@ struct PlanCache::Impl {
     std::unordered_map<PlanKey, std::unique_ptr<BuiltPlan>, PlanKeyHash> plans;
     std::unordered_map<PlanHash, const BuiltPlan*, PlanHashHash> plans_by_hash;
     uint64_t bytes = 0;
+
+    /// Keeps a plan, unless there is one of this key: the one that is there, and whether it is new. The caller has the
+    /// mutex, and fills in the references of a new one before it gives that away.
+    std::pair<BuiltPlan*, bool> keep(const PlanKey& key, std::unique_ptr<BuiltPlan>&& plan);
 };
 
 /// Plans of one build: taken from the cache or, where missing, built on all cores.

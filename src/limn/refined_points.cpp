@@ -6,6 +6,7 @@
 
 #include "limn/parallel.h"
 #include "limn/refinement.h"
+#include "limn/schemes/schemes.h"
 #include "limn/stencil_row.h"
 #include "limn/topology_build.h"
 
@@ -99,6 +100,10 @@ uint32_t vertex_block_count(const Topology& base) {
 
 std::vector<uint32_t> find_child_blocks(const Topology& base, const std::vector<uint32_t>& first_faces) {
     std::vector<uint32_t> out;
+    if (base.options.scheme == Scheme::doo_sabin) {
+        for (const uint32_t f : first_faces) out.push_back(base.face_begin(f));
+        return out;
+    }
     for (uint32_t v = 0; v < base.vertex_count; v += kBlockSize) out.push_back(v);
     const std::span chunks(first_faces.begin(), first_faces.end() - 1);
     if (base.options.scheme != Scheme::loop)
@@ -135,7 +140,10 @@ struct RowMaker {
         std::vector<Real> weights;
         for (const uint32_t child : block.children) {
             row.clear();
-            refinement_row(base, first_child + child, rules, row);
+            if (base.options.scheme == Scheme::doo_sabin)
+                schemes::doo_sabin_corner(base, first_child + child, row);
+            else
+                refinement_row(base, first_child + child, rules, row);
             append(row, block.indices, weights);
             const uint64_t hash = hash_weights<Real>(weights);
             const auto [begin, end] = patterns_by_hash.equal_range(hash);

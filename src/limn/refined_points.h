@@ -91,7 +91,7 @@ struct RefinedPoints {
 
 /// Where blocks begin, and the vertex count of level 1: blocks of the children of vertices; then, for each of
 /// the chunks of faces that `first_faces` tells apart, of its faces (not Loop); then of the edges that appear
-/// in it first.
+/// in it first. Of Doo-Sabin: blocks of the chunks' corners.
 std::vector<uint32_t> find_child_blocks(const Topology& base, const std::vector<uint32_t>& first_faces);
 /// The block of a vertex's child, and how many such blocks there are.
 uint32_t vertex_block(uint32_t v);

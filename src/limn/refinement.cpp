@@ -348,6 +348,9 @@ float share_of_level(uint32_t level, const RefinementOptions& options) {
 }
 
 Result<void> refine_levels(const RefinementOptions& options, Refinement& refinement) {
+    if (refinement.levels[0].options.scheme == Scheme::doo_sabin)
+        return Error{ErrorCode::unsupported,
+                     "Doo-Sabin meshes and smooth channels of them are not refined with vertices that stay"};
     if (auto counts = count_levels(refinement.levels[0], options.level); !counts) return counts.error();
     refinement.levels.reserve(options.level + 1);
     Topology uncut;

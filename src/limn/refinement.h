@@ -32,11 +32,14 @@ struct Refinement {
 };
 
 /// Refines the mesh for vertex and varying data.
-/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners, cancelled.
+/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners, unsupported (Doo-Sabin),
+/// cancelled.
 Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOptions& options);
 
 /// Refines one face-varying channel: the same faces in the same order at every level, cut along its seams;
 /// table columns are the channel's values. levels[l].face_vertices are then indices of refined values.
+/// Errors: as build_refinement, index_out_of_range; of Doo-Sabin meshes channels that are linear everywhere
+/// (FaceVaryingInterpolation::all) are refined.
 Result<Refinement> build_face_varying_refinement(const ControlMesh& mesh, uint32_t channel,
                                                  const RefinementOptions& options);
 

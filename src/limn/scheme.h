@@ -11,7 +11,9 @@
 
 namespace limn {
 
-enum class Scheme : uint8_t { catmull_clark, loop, bilinear };
+/// Schemes whose surfaces are patches. Doo-Sabin (generalised biquadratic B-splines) takes any faces and knows no
+/// sharpness; refinement is by schemes/scheme_refinement.h, not by refinement.h.
+enum class Scheme : uint8_t { catmull_clark, loop, bilinear, doo_sabin };
 
 /// What happens where the control mesh ends.
 enum class BoundaryInterpolation : uint8_t {

@@ -129,12 +129,13 @@ void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>
     t.vertex_sharpness.assign(t.vertex_count, 0.0f);
     t.vertex_rules.allocate(t.vertex_count);
     t.face_holes.assign(t.face_count, 0);
-    const auto creases = static_cast<uint32_t>(mesh.crease_sharpness.size());
+    const bool knows_sharpness = t.options.scheme != Scheme::doo_sabin;
+    const auto creases = knows_sharpness ? static_cast<uint32_t>(mesh.crease_sharpness.size()) : 0;
     for_each_in_order(creases, part.part(0, 0.3f), [&](uint32_t i) {
         const uint32_t e = find_edge(t, mesh.crease_edges[2 * size_t{i}], mesh.crease_edges[2 * size_t{i} + 1]);
         if (e != kInvalidIndex) t.edge_sharpness[e] = clamp_sharpness(mesh.crease_sharpness[i]);
     });
-    for (size_t i = 0; i < mesh.corner_vertices.size(); ++i)
+    for (size_t i = 0; knows_sharpness && i < mesh.corner_vertices.size(); ++i)
         t.vertex_sharpness[mesh.corner_vertices[i]] = clamp_sharpness(mesh.corner_sharpness[i]);
     for (const uint32_t f : mesh.holes) t.face_holes[f] = 1;
     if (hides_boundary_faces(t.options)) hide_boundary_faces(t, part.part(0.3f, 0.4f));

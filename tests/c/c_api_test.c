@@ -41,7 +41,7 @@ static void test_descriptions(void) {
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
     CHECK(strcmp(error.message, "face_sizes is null") == 0);
     d = describe_cube();
-    d.scheme = 3;
+    d.scheme = 4;
     REFUSED(limn_control_mesh_create(&d, &mesh, &error));
     d = describe_cube();
     d.flags = 4;

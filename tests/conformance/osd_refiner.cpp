@@ -30,6 +30,8 @@ osd::Sdc::SchemeType scheme_of(limn::Scheme scheme) {
             return osd::Sdc::SCHEME_LOOP;
         case limn::Scheme::bilinear:
             return osd::Sdc::SCHEME_BILINEAR;
+        case limn::Scheme::doo_sabin:
+            break;  // which OpenSubdiv does not have
     }
     return osd::Sdc::SCHEME_CATMARK;
 }

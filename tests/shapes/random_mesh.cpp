@@ -282,4 +282,13 @@ TestMesh make_messy_torus(uint32_t around, uint32_t across, uint64_t seed) {
     return mesh;
 }
 
+std::vector<TestMesh> doo_sabin_shapes() {
+    std::vector<TestMesh> out = {make_cube(), make_torus(5, 4), make_prism(5), make_globe(7, 2), make_messy_torus(9, 7, 1)};
+    for (TestMesh& mesh : out) {
+        mesh.options.scheme = Scheme::doo_sabin;
+        mesh.perturb(0.05);
+    }
+    return out;
+}
+
 }  // namespace limn::test

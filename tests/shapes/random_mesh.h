@@ -28,4 +28,7 @@ TestMesh random_mesh(uint64_t seed);
 // irregular nearly everywhere, like production meshes at their worst.
 TestMesh make_messy_torus(uint32_t around, uint32_t across, uint64_t seed);
 
+// Under Doo-Sabin, which OpenSubdiv does not have: closed, with faces and valences of most sizes.
+std::vector<TestMesh> doo_sabin_shapes();
+
 }  // namespace limn::test

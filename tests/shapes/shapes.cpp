@@ -234,6 +234,8 @@ const char* name_of(Scheme scheme) {
             return "loop";
         case Scheme::bilinear:
             return "bilinear";
+        case Scheme::doo_sabin:
+            return "doo_sabin";
     }
     return "";
 }

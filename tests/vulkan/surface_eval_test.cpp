@@ -101,6 +101,14 @@ TEST_F(SurfaceEval, random_meshes_equal_the_surface_in_double) {
     }
 }
 
+TEST_F(SurfaceEval, doo_sabin_equals_the_surface_in_double) {
+    for (const TestMesh& mesh : limn::test::doo_sabin_shapes()) {
+        const Surface s = surface_of(mesh);
+        check_samples(s, scattered_samples(s.table), Derivatives::second, mesh.name);
+        check_grid(s, 5, mesh.name);
+    }
+}
+
 // The kernels that devices other than CPUs run.
 TEST_F(SurfaceEval, storage_buffers_are_as_texel_buffers) {
     pretend_gpu();

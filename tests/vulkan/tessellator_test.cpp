@@ -34,6 +34,15 @@ TEST_F(TessellatorTest, RandomMeshesAreAsOnTheHost) {
     }
 }
 
+TEST_F(TessellatorTest, DooSabinIsAsOnTheHost) {
+    uint32_t seed = 0;
+    for (const TestMesh& shape : limn::test::doo_sabin_shapes()) {
+        const auto spacing = static_cast<TessellationSpacing>(++seed % 3);
+        SCOPED_TRACE(shape.name);
+        expect_as_on_host(tessellate_on_device(shape, random_request(shape, spacing, 9, seed)), spacing);
+    }
+}
+
 // The kernels that read storage buffers, which devices other than CPUs run.
 TEST_F(TessellatorTest, StorageBuffersAreAsTexelBuffers) {
     pretend_gpu();

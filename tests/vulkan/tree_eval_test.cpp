@@ -31,6 +31,13 @@ TEST_F(TreeEval, random_meshes_equal_the_surface_in_double) {
     }
 }
 
+TEST_F(TreeEval, doo_sabin_equals_the_surface_in_double) {
+    for (const TestMesh& mesh : limn::test::doo_sabin_shapes()) {
+        const Surface s = surface_of(mesh);
+        check_samples(s, scattered_samples(s.table), Derivatives::first, mesh.name);
+    }
+}
+
 // The kernels that devices other than CPUs run, on windows of the samples.
 TEST_F(TreeEval, storage_buffers_are_as_texel_buffers) {
     pretend_gpu(1 << 20);

@@ -24,7 +24,7 @@ static_assert(sizeof(limn_patch_sample) == sizeof(PatchSample) &&
               offsetof(limn_patch_sample, v) == offsetof(PatchSample, v));
 static_assert(sizeof(limn_sample_status) == sizeof(SampleStatus));
 
-constexpr Scheme kSchemes[] = {Scheme::catmull_clark, Scheme::loop, Scheme::bilinear};
+constexpr Scheme kSchemes[] = {Scheme::catmull_clark, Scheme::loop, Scheme::bilinear, Scheme::doo_sabin};
 constexpr BoundaryInterpolation kBoundaries[] = {
     BoundaryInterpolation::edge_only, BoundaryInterpolation::edge_and_corner, BoundaryInterpolation::none};
 constexpr CreasingMethod kCreasings[] = {CreasingMethod::uniform, CreasingMethod::chaikin};

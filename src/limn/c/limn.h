@@ -54,7 +54,7 @@ typedef struct limn_error {
 } limn_error;
 
 typedef uint32_t limn_scheme;
-enum { LIMN_SCHEME_CATMULL_CLARK = 0, LIMN_SCHEME_LOOP = 1, LIMN_SCHEME_BILINEAR = 2 };
+enum { LIMN_SCHEME_CATMULL_CLARK = 0, LIMN_SCHEME_LOOP = 1, LIMN_SCHEME_BILINEAR = 2, LIMN_SCHEME_DOO_SABIN = 3 };
 
 typedef uint32_t limn_boundary_interpolation;
 enum { LIMN_BOUNDARY_EDGE_ONLY = 0, LIMN_BOUNDARY_EDGE_AND_CORNER = 1, LIMN_BOUNDARY_NONE = 2 };

@@ -48,7 +48,7 @@ void limn_vk_hardware_tessellator_destroy(limn_vk_hardware_tessellator* tessella
 limn_result limn_vk_hardware_tessellator_get_stages(const limn_vk_hardware_tessellator* tessellator, limn_scheme scheme,
                                                     limn_vk_hardware_stages* stages, limn_error* error) noexcept {
     if (tessellator == nullptr) return report(bad_argument("tessellator is null"), error);
-    if (scheme > LIMN_SCHEME_BILINEAR) return report(bad_argument("there is no such scheme"), error);
+    if (scheme > LIMN_SCHEME_DOO_SABIN) return report(bad_argument("there is no such scheme"), error);
     const auto code = tessellator->value.stages(static_cast<limn::Scheme>(scheme));
     const limn_vk_hardware_stages known = {0,
                                            0,

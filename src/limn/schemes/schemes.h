@@ -40,7 +40,11 @@ std::span<const Pass> butterfly_g1_passes();
 std::span<const Pass> nurss_passes();
 std::span<const Pass> nurss_quadratic_passes();
 
-// Masks that more than one scheme uses.
+// Masks that more than one scheme, or a scheme's patches, use.
+/// What point i + j of an n-gon (n >= 2, j < n) weighs in the point of corner i that Doo-Sabin makes of it; j and n - j
+/// weigh the same.
+double doo_sabin_weight(uint32_t n, uint32_t j);
+void doo_sabin_corner(const Topology& parent, uint32_t corner, Row& row);
 void keep_vertex(const Stage& parent, uint32_t v, Row& row);
 void face_centroid(const Stage& parent, uint32_t f, Row& row);
 void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
