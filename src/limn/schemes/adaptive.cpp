@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "limn/compose.h"
@@ -12,6 +13,7 @@
 #include "limn/schemes/scheme_limit.h"
 #include "limn/schemes/scheme_pass.h"
 #include "limn/schemes/star.h"
+#include "limn/schemes/star_limit.h"
 
 namespace limn {
 namespace {
@@ -26,7 +28,11 @@ struct LevelTables {
 };
 
 struct Levels {
-    SplitKind kind = SplitKind::none;
+    explicit Levels(const SubdivisionScheme& scheme)
+        : kind(scheme.passes[0].split), masks(std::make_unique<StarLimits>(scheme, patch_rings(scheme))) {}
+
+    SplitKind kind;
+    std::unique_ptr<StarLimits> masks;  ///< which levels share
     std::vector<AdaptiveLevel> levels;
     std::vector<LevelTables> tables;
     Points points;  ///< of the last level
@@ -85,7 +91,7 @@ Result<void> add_limits(const SubdivisionScheme& scheme, Levels& out, const Buil
     SchemeRefinementDouble last;
     last.scheme = &scheme;
     last.last = std::move(out.levels.back().stage);
-    auto limit = build_scheme_limit_table(last, true, part);
+    auto limit = build_scheme_limit_table(last, true, *out.masks, part);
     out.levels.back().stage = std::move(last.last);
     if (!limit) return limit.error();
     const Points added = apply_rows(*limit, out.points, static_cast<uint32_t>(out.limits.size()));
@@ -126,8 +132,7 @@ Result<void> add_level(const SubdivisionScheme& scheme, Levels& out, const Build
 /// Evenly, until no face misses by more than the tolerance, or to max_level.
 Result<Levels> refine_levels(Stage&& first, const SubdivisionScheme& scheme,
                              std::span<const double> positions, const AdaptiveSurfaceOptions& options) {
-    Levels out;
-    out.kind = scheme.passes[0].split;
+    Levels out(scheme);
     for (size_t i = 0; i + 2 < positions.size(); i += 3)
         out.points.push_back({positions[i], positions[i + 1], positions[i + 2]});
     out.levels.emplace_back().stage = std::move(first);
