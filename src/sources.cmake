@@ -111,6 +111,10 @@ set(limn_files
     src/limn/schemes/scheme_limit.cpp
     src/limn/schemes/scheme_surface.h
     src/limn/schemes/scheme_surface.cpp
+    src/limn/schemes/adaptive_faces.h
+    src/limn/schemes/adaptive_faces.cpp
+    src/limn/schemes/adaptive.h
+    src/limn/schemes/adaptive.cpp
     src/limn/schemes/corner_values.h
     src/limn/schemes/corner_values.cpp
     src/limn/schemes/scheme_analysis.h
@@ -357,6 +361,7 @@ set(private_headers
     src/limn/schemes/eigen_masks.h
     src/limn/schemes/star_chain.h
     src/limn/schemes/star_limit.h
+    src/limn/schemes/adaptive_faces.h
     src/limn/schemes/characteristic_map.h
     src/limn/schemes/t_mesh_split.h
     src/limn/face_program.h

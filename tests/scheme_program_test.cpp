@@ -60,6 +60,38 @@ TEST_F(Program, refines_and_tessellates_by_schemes_of_every_split) {
     }
 }
 
+TEST_F(Program, tessellates_schemes_as_finely_as_they_need) {
+    for (const char* name : {"kobbelt", "butterfly --triangulate", "sqrt3 --triangulate", "4-8"}) {
+        SCOPED_TRACE(name);
+        const std::string options = std::string(" --scheme ") + name + " --chord-error ";
+        size_t last = 0;
+        for (const char* error : {"0.3", "0.03", "0.01"}) {
+            ASSERT_EQ(run("tessellate cube.obj -o device.obj --validation" + options + error).status, 0) << read("err.txt");
+            ASSERT_EQ(run("tessellate cube.obj -o host.obj --device cpu" + options + error).status, 0) << read("err.txt");
+            const auto device = read_obj(path("device.obj")), host = read_obj(path("host.obj"));
+            ASSERT_TRUE(device && host);
+            EXPECT_TRUE(is_closed(*device));
+            EXPECT_EQ(device->face_vertices, host->face_vertices);
+            ASSERT_EQ(device->positions.size(), host->positions.size());
+            for (size_t i = 0; i < host->positions.size(); ++i)
+                ASSERT_NEAR(device->positions[i], host->positions[i], 4e-6) << i;
+            EXPECT_GT(host->face_sizes.size(), last);
+            last = host->face_sizes.size();
+        }
+        const Outcome limited = run("tessellate cube.obj -o some.obj --max-triangles 200" + options + "0.01");
+        ASSERT_EQ(limited.status, 0) << limited.errors;
+        EXPECT_NE(limited.output.find("rates scaled by 0."), std::string::npos) << limited.output;
+        const auto some = read_obj(path("some.obj"));
+        ASSERT_TRUE(some);
+        EXPECT_LE(some->face_sizes.size(), 200u);
+        EXPECT_TRUE(is_closed(*some));
+    }
+    EXPECT_NE(run("tessellate cube.obj -o some.obj --max-rate 2 --scheme sabin --chord-error 1e-4").errors.find("--max-rate"),
+              std::string::npos);
+    expect_failure("tessellate cube.obj --scheme sabin --chord-error 0.1 --max-triangles 3 -o result.obj", 1, "3 triangles");
+    expect_failure("tessellate cube.obj --scheme sabin --pixel-error 1 -o result.obj", 2, "--chord-error");
+}
+
 TEST_F(Program, refines_to_the_limit_by_schemes) {
     // Limits do not depend on the level at which they are taken: vertices keep their numbers in primal schemes.
     for (const char* name : {"sqrt3 --triangulate", "averaging-3"}) {

@@ -48,6 +48,7 @@ set(scheme_test_files
     tests/schemes/scheme_limit_test.cpp
     tests/schemes/scheme_samples_test.cpp
     tests/schemes/doo_sabin_patches_test.cpp
+    tests/schemes/adaptive_test.cpp
     tests/schemes/t_mesh_test.cpp
     tests/schemes/scheme_analysis_test.cpp
 )

@@ -9,6 +9,7 @@
 #include "cli/tessellation_runner.h"
 #include "limn/file.h"
 #include "limn/ply.h"
+#include "limn/schemes/adaptive.h"
 #include "viewer/camera.h"
 
 namespace limn::cli {
@@ -120,16 +121,29 @@ RateSettings settings_of(const Options& options, std::span<const float> position
     return settings;
 }
 
+const std::optional<float>& chord_error(const Options& options) {
+    return options.values[3];
+}
+
+/// Schemes without patches. Throws as CLI11 does.
+void check_scheme_usage(const Options& options, const SubdivisionScheme& scheme) {
+    const bool adaptive = chord_error(options).has_value();
+    for (size_t i = 1; i < std::size(kModes); ++i)
+        if (options.values[i] && kModes[i].mode != RateMode::chord_error)
+            throw CLI::ValidationError(kModes[i].name, "takes a scheme with patches; others go by --rate or --chord-error");
+    if (adaptive && !is_adaptive(scheme))
+        throw CLI::ValidationError("--chord-error", std::string(scheme.title) + " goes by --rate alone: its vertices turn into faces");
+    if (options.cull || options.spacing != "integer" || (!adaptive && (options.max_triangles || options.max_rate)))
+        throw CLI::ValidationError("--scheme", "has no patches: it goes by --rate alone, or by --chord-error, --max-rate and --max-triangles");
+}
+
 /// What cannot be told from one option alone. Throws as CLI11 does.
 void check_usage(const Options& options) {
     const std::optional<float>& rate = options.values[0];
     if (rate && options.max_rate && *rate > static_cast<float>(*options.max_rate))
         throw CLI::ValidationError("--rate", "is larger than --max-rate");
-    const bool even = scheme_without_patches(options.model, options.surface) != nullptr;
-    for (size_t i = 1; even && i < std::size(kModes); ++i)
-        if (options.values[i]) throw CLI::ValidationError(kModes[i].name, "takes a scheme with patches; others are tessellated evenly, by --rate");
-    if (even && (options.cull || options.max_triangles || options.max_rate || options.spacing != "integer"))
-        throw CLI::ValidationError("--scheme", "has no patches: it is tessellated evenly, by --rate alone");
+    if (const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface))
+        check_scheme_usage(options, *scheme);
     if (options.cull && options.device.device == "cpu")
         throw CLI::ValidationError("--cull", "needs a Vulkan device: --device cpu does not cull");
 }
@@ -163,9 +177,38 @@ Result<TriangleMesh> make_mesh(const Options& options, const ModelTables& model,
     return mesh;
 }
 
-/// Evenly, by a scheme without patches.
-Result<TriangleMesh> make_even_mesh(const Options& options, const SubdivisionScheme& scheme, const RunDevice& device,
-                                    Progress& progress) {
+/// Steps for --max-rate, as far as memory goes.
+uint32_t max_steps(const Options& options, const LoadedModel& model, const SubdivisionScheme& scheme) {
+    uint32_t steps = steps_for_rate(scheme, static_cast<double>(max_rate_of(options)));
+    while (steps > 0 && !steps_within_reason(model, scheme, std::pow(segments_per_step(scheme), steps))) --steps;
+    return steps;
+}
+
+/// As fine as --chord-error needs it, or --max-triangles allows: `rate_scale` says by how much, rates being what they
+/// would be by the root of the error.
+Result<SchemeSurface> build_adaptive_model(const Options& options, const LoadedModel& model,
+                                           const SubdivisionScheme& scheme, double& rate_scale,
+                                           Progress& progress) {
+    progress.show("refining " + plural(model.mesh.face_count(), "face"));
+    const std::vector<double> positions(model.model.positions.begin(), model.model.positions.end());
+    AdaptiveSurfaceOptions adaptive;
+    adaptive.tolerance = static_cast<double>(*chord_error(options));
+    adaptive.max_level = max_steps(options, model, scheme);
+    if (options.max_triangles) adaptive.max_triangles = *options.max_triangles;
+    auto surface = build_adaptive_surface<float>(model.mesh, scheme, positions, adaptive);
+    if (!surface) return surface.error();
+    if (!surface->reached && surface->tolerance == adaptive.tolerance) {
+        progress.clear();
+        std::fprintf(stderr, "limn: %s: note: some faces may miss by more after %u steps (--max-rate)\n",
+                     printable(options.model).c_str(), adaptive.max_level);
+    }
+    rate_scale = std::sqrt(adaptive.tolerance / surface->tolerance);
+    return make_scheme_surface(std::move(*surface));
+}
+
+/// By a scheme without patches: evenly, or as fine as --chord-error needs it.
+Result<TriangleMesh> make_scheme_mesh(const Options& options, const SubdivisionScheme& scheme, const RunDevice& device,
+                                      Progress& progress) {
     progress.show("reading " + options.model);
     const Result<LoadedModel> loaded = load_model(options.model, options.surface);
     if (!loaded) return loaded.error();
@@ -173,15 +216,21 @@ Result<TriangleMesh> make_even_mesh(const Options& options, const SubdivisionSch
         error.message = printable(options.model) + ": " + error.message;
         return error;
     };
-    const auto level = steps_within_reason(*loaded, scheme, static_cast<double>(options.values[0].value_or(kDefaultRate)));
-    if (!level) return name_model(level.error());
     note_left_out(options.model, *loaded, scheme, progress);
-    auto surface = build_model_surface(options.model, *loaded, scheme, *level, progress);
-    if (!surface) return surface.error();
+    TriangleMesh mesh;
+    const auto build = [&]() -> Result<SchemeSurface> {
+        if (chord_error(options)) return build_adaptive_model(options, *loaded, scheme, mesh.rate_scale, progress);
+        const auto level =
+            steps_within_reason(*loaded, scheme, static_cast<double>(options.values[0].value_or(kDefaultRate)));
+        if (!level) return level.error();
+        progress.show("refining " + plural(loaded->mesh.face_count(), "face"));
+        return build_scheme_surface(loaded->mesh, scheme, {*level});
+    };
+    const Result<SchemeSurface> surface = build();
+    if (!surface) return name_model(surface.error());
     progress.show("evaluating stencils on " + device.name());
     auto vertices = run_scheme_surface(device, *surface, loaded->model.positions);
     if (!vertices) return name_model(vertices.error());
-    TriangleMesh mesh;
     mesh.positions = std::move(vertices->positions);
     mesh.normals = std::move(vertices->normals);
     mesh.indices.assign(surface->triangles.begin(), surface->triangles.end());
@@ -201,7 +250,7 @@ Result<void> tessellate_model(const Options& options, Progress& progress) {
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
     const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface);
-    const Result<TriangleMesh> mesh = scheme != nullptr ? make_even_mesh(options, *scheme, *device, progress)
+    const Result<TriangleMesh> mesh = scheme != nullptr ? make_scheme_mesh(options, *scheme, *device, progress)
                                                         : make_adaptive_mesh(options, *device, progress);
     if (!mesh) return mesh.error();
     if (auto silent = device->check_validation(); !silent) return silent;

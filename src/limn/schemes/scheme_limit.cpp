@@ -67,8 +67,8 @@ Element middle_face(const Topology& t, uint32_t v) {
 
 class LimitRows {
   public:
-    LimitRows(const Stage& stage, const SubdivisionScheme& scheme)
-        : stage_(stage), scheme_(scheme), limits_(scheme, patch_rings(scheme)) {}
+    LimitRows(const Stage& stage, const SubdivisionScheme& scheme, StarLimits& limits)
+        : stage_(stage), scheme_(scheme), limits_(limits) {}
 
     /// Errors: those of StarLimits::make; Error::element is the vertex.
     Result<RowSource> find(uint32_t v, StarWalk& walk) {
@@ -107,7 +107,7 @@ class LimitRows {
 
     const Stage& stage_;
     const SubdivisionScheme& scheme_;
-    StarLimits limits_;
+    StarLimits& limits_;
     const StarMask* regular_ = nullptr;
     size_t regular_size_ = 0;
 };
@@ -180,13 +180,13 @@ void fill_row(const RowSource& source, const StarWalk& walk, uint32_t at, BasicS
 
 template <class Real>
 Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefinement<Real>& refined, bool tangents,
-                                                         const BuildPart& control) {
+                                                         StarLimits& limits, const BuildPart& control) {
     if (auto ok = control.start(); !ok) return ok.error();
     const Stage& stage = refined.last;
     const uint32_t count = stage.topology.vertex_count;
     if (stage.topology.face_edges.empty() && stage.topology.face_count != 0)
         return Error{ErrorCode::invalid_argument, "limits need a refinement with full_last_level"};
-    LimitRows rows(stage, *refined.scheme);
+    LimitRows rows(stage, *refined.scheme, limits);
     const auto sources = find_sources(stage, *refined.scheme, rows, control.part(0, 0.7f));
     if (!sources) return sources.error();
     BasicStencilTable<Real> table;
@@ -210,9 +210,20 @@ Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefine
     return table;
 }
 
-template Result<BasicStencilTable<float>> build_scheme_limit_table(const BasicSchemeRefinement<float>&, bool,
-                                                                   const BuildPart&);
-template Result<BasicStencilTable<double>> build_scheme_limit_table(const BasicSchemeRefinement<double>&, bool,
-                                                                    const BuildPart&);
+template <class Real>
+Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefinement<Real>& refined, bool tangents,
+                                                         const BuildPart& control) {
+    StarLimits limits(*refined.scheme, patch_rings(*refined.scheme));
+    return build_scheme_limit_table(refined, tangents, limits, control);
+}
+
+#define LIMN_INSTANTIATE(Real)                                                                                     \
+    template Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefinement<Real>&, bool,    \
+                                                                      const BuildPart&);                           \
+    template Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefinement<Real>&, bool,    \
+                                                                      StarLimits&, const BuildPart&);
+LIMN_INSTANTIATE(float)
+LIMN_INSTANTIATE(double)
+#undef LIMN_INSTANTIATE
 
 }  // namespace limn

@@ -54,13 +54,6 @@ Result<void> check_intervals(const ControlMesh& mesh, std::span<const double> in
     return {};
 }
 
-template <class Real>
-Result<BasicStencilTable<Real>> build_pass_table(const Stage& parent, const Pass& pass, const SplitMesh& split,
-                                                 const BuildPart& part) {
-    return build_table_of_rows<Real>(parent.topology.vertex_count, split.point_count(), part,
-                                     [&](uint32_t r, Row& row) { pass_row(parent, pass, split, r, row); });
-}
-
 }  // namespace
 
 void pass_row(const Stage& parent, const Pass& pass, const SplitMesh& split, uint32_t i, Row& row) {
@@ -68,6 +61,13 @@ void pass_row(const Stage& parent, const Pass& pass, const SplitMesh& split, uin
     while (i >= split.blocks[block].first + split.blocks[block].count) ++block;
     const PointBlock& points = split.blocks[block];
     pass.rows[static_cast<size_t>(points.origin)](parent, points.parent(i - points.first), row);
+}
+
+template <class Real>
+Result<BasicStencilTable<Real>> build_pass_table(const Stage& parent, const Pass& pass, const SplitMesh& split,
+                                                 const BuildPart& part) {
+    return build_table_of_rows<Real>(parent.topology.vertex_count, split.point_count(), part,
+                                     [&](uint32_t r, Row& row) { pass_row(parent, pass, split, r, row); });
 }
 
 Stage advance_stage(Stage&& parent, const Pass& pass, SplitMesh&& split, bool step_is_done) {
@@ -179,6 +179,8 @@ Result<BasicStencilTable<Real>> multiply_tables(std::span<const BasicStencilTabl
 }
 
 #define LIMN_INSTANTIATE(Real)                                                                                  \
+    template Result<BasicStencilTable<Real>> build_pass_table(const Stage&, const Pass&, const SplitMesh&,      \
+                                                              const BuildPart&);                                \
     template Result<BasicSchemeRefinement<Real>> build_scheme_refinement(                                       \
         const ControlMesh&, const SubdivisionScheme&, const SchemeRefinementOptions&, std::span<const double>); \
     template Result<BasicStencilTable<Real>> multiply_tables(std::span<const BasicStencilTable<Real>>,          \

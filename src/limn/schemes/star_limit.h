@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "limn/result.h"
+#include "limn/schemes/scheme_refinement.h"
 #include "limn/schemes/star_patch.h"
 
 namespace limn {
@@ -39,5 +40,10 @@ class StarLimits {
     mutable std::shared_mutex mutex_;
     std::map<std::vector<uint32_t>, StarMask> masks_;
 };
+
+/// As in scheme_limit.h, with masks, of patch_rings(scheme) rings, that tables of other levels share.
+template <class Real>
+Result<BasicStencilTable<Real>> build_scheme_limit_table(const BasicSchemeRefinement<Real>& refined, bool tangents,
+                                                         StarLimits& limits, const BuildPart& control);
 
 }  // namespace limn
