@@ -375,6 +375,7 @@ set(private_headers
     src/limn/plan_set.h
     src/limn/refined_points.h
     src/limn/candidates.h
+    src/limn/schemes/doo_sabin_patches.h
     src/limn/patch_table_parts.h
     src/limn/edited_topology.h
     src/limn/patch_evaluator.h
