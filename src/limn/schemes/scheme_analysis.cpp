@@ -34,14 +34,8 @@ Stage stage_of_faces(const SubdivisionScheme& scheme, uint32_t vertex_count,
         for (const uint32_t v : face) vertices.push_back(v);
         offsets.push_back(static_cast<uint32_t>(vertices.size()));
     }
-    const auto copy = [](const std::vector<uint32_t>& from) {
-        Array<uint32_t> to;
-        to.allocate(from.size());
-        std::copy(from.begin(), from.end(), to.begin());
-        return to;
-    };
     Stage stage;
-    stage.topology = topology_of_faces(options, vertex_count, copy(offsets), copy(vertices), true);
+    stage.topology = topology_of_faces(options, vertex_count, std::move(offsets), std::move(vertices), true);
     return stage;
 }
 
