@@ -125,7 +125,7 @@ void check_usage(const Options& options) {
     const std::optional<float>& rate = options.values[0];
     if (rate && options.max_rate && *rate > static_cast<float>(*options.max_rate))
         throw CLI::ValidationError("--rate", "is larger than --max-rate");
-    const bool even = scheme_without_patches(options.model, options.surface) != nullptr;
+    const bool even = scheme_drawn_evenly(options.model, options.surface) != nullptr;
     for (size_t i = 1; even && i < std::size(kModes); ++i)
         if (options.values[i]) throw CLI::ValidationError(kModes[i].name, "takes a scheme with patches; others are tessellated evenly, by --rate");
     if (even && (options.cull || options.max_triangles || options.max_rate || options.spacing != "integer"))
@@ -200,7 +200,7 @@ Result<TriangleMesh> make_adaptive_mesh(const Options& options, const RunDevice&
 Result<void> tessellate_model(const Options& options, Progress& progress) {
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
-    const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface);
+    const SubdivisionScheme* scheme = scheme_drawn_evenly(options.model, options.surface);
     const Result<TriangleMesh> mesh = scheme != nullptr ? make_even_mesh(options, *scheme, *device, progress)
                                                         : make_adaptive_mesh(options, *device, progress);
     if (!mesh) return mesh.error();
