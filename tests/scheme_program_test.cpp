@@ -222,6 +222,7 @@ TEST_F(Program, evaluates_doo_sabin_by_patches) {
     EXPECT_EQ(run("tessellate open.obj --rate 4 -o open_triangles.obj" + options).status, 0) << read("err.txt");
     expect_failure("tessellate open.obj --chord-error 0.1 -o result.obj" + options, 2, "--rate");
     expect_failure("bake open.obj -o result.limn" + options, 1, "boundaries");
+    expect_failure("eval open.obj --at samples.csv -o result.csv" + options, 1, "boundaries");
 }
 
 #ifdef LIMN_HAVE_WINDOW

@@ -224,7 +224,7 @@ Result<void> evaluate_by_scheme(const Options& options, const SubdivisionScheme&
 
 int run(const Options& options) {
     Progress progress;
-    const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface);
+    const SubdivisionScheme* scheme = scheme_without_patches(options.surface);
     const Result<void> done =
         scheme != nullptr ? evaluate_by_scheme(options, *scheme, progress) : evaluate(options, progress);
     progress.clear();
@@ -268,7 +268,7 @@ void add_eval(CLI::App& program, int& status) {
         "Schemes without patches that split faces in four are evaluated by limit stencils, as deep as u and v ask "
         "for (to 24 binary digits): a row is face,u,v,px,py,pz,nx,ny,nz and status, with the unit normal.");
     command->callback([options, command, &status] {
-        const SubdivisionScheme* scheme = scheme_without_patches(options->model, options->surface);
+        const SubdivisionScheme* scheme = scheme_without_patches(options->surface);
         if (scheme != nullptr && (options->texture || options->curvature))
             throw CLI::ValidationError("--scheme", "has no patches: positions and normals are all that there is");
         check_baked_usage(*command, options->model);

@@ -22,7 +22,10 @@ struct Choice {
 };
 constexpr uint32_t kMostPixels = uint32_t{1} << 20;  // a side; devices say less
 constexpr Choice<Scheme> kSchemes[] = {
-    {"catmark", Scheme::catmull_clark}, {"loop", Scheme::loop}, {"bilinear", Scheme::bilinear}, {"doo-sabin", Scheme::doo_sabin}};
+    {"catmark", Scheme::catmull_clark},
+    {"loop", Scheme::loop},
+    {"bilinear", Scheme::bilinear},
+    {"doo-sabin", Scheme::doo_sabin}};
 constexpr Choice<BoundaryInterpolation> kBoundaries[] = {
     {"none", BoundaryInterpolation::none},
     {"edge-only", BoundaryInterpolation::edge_only},

@@ -143,7 +143,7 @@ int run(const Options& options) {
         std::fprintf(stderr, "limn: --hardware-tessellation draws no wireframe and no colours by kind or level\n");
         return kBadUsage;
     }
-    const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface);
+    const SubdivisionScheme* scheme = scheme_drawn_evenly(options.model, options.surface);
     if (scheme != nullptr)
         if (const std::string wrong = check_even_look(options.look, options.hardware); !wrong.empty()) {
             std::fprintf(stderr, "limn: %s\n", wrong.c_str());

@@ -38,9 +38,13 @@ const SubdivisionScheme* scheme_unless(const std::vector<std::string>& names, co
 
 }  // namespace
 
-const SubdivisionScheme* scheme_without_patches(const std::string& path, const SurfaceOptions& options) {
-    if (options.scheme == "doo-sabin") return ends_at_boundary(path, options) ? find_subdivision_scheme("doo-sabin") : nullptr;
+const SubdivisionScheme* scheme_without_patches(const SurfaceOptions& options) {
     return scheme_unless(scheme_names(), options);
+}
+
+const SubdivisionScheme* scheme_drawn_evenly(const std::string& path, const SurfaceOptions& options) {
+    if (options.scheme == "doo-sabin" && ends_at_boundary(path, options)) return find_subdivision_scheme("doo-sabin");
+    return scheme_without_patches(options);
 }
 
 const SubdivisionScheme* scheme_without_refinement(const SurfaceOptions& options) {

@@ -11,9 +11,10 @@
 
 namespace limn::cli {
 
-/// The scheme that is asked for where it has no patches, or not of this model, in an OBJ file: Doo-Sabin's reach to no
-/// boundary. Else null, also where the file cannot be read.
-const SubdivisionScheme* scheme_without_patches(const std::string& path, const SurfaceOptions& options);
+/// The scheme that is asked for where it is none of those with patches (scheme_names); else null.
+const SubdivisionScheme* scheme_without_patches(const SurfaceOptions& options);
+/// And where it has none of this model: Doo-Sabin patches reach to no boundary. Null where the file cannot be read.
+const SubdivisionScheme* scheme_drawn_evenly(const std::string& path, const SurfaceOptions& options);
 /// The scheme that is asked for where the levels of refinement.h are not its own; else null.
 const SubdivisionScheme* scheme_without_refinement(const SurfaceOptions& options);
 

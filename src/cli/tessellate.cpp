@@ -142,7 +142,7 @@ void check_usage(const Options& options) {
     const std::optional<float>& rate = options.values[0];
     if (rate && options.max_rate && *rate > static_cast<float>(*options.max_rate))
         throw CLI::ValidationError("--rate", "is larger than --max-rate");
-    if (const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface))
+    if (const SubdivisionScheme* scheme = scheme_drawn_evenly(options.model, options.surface))
         check_scheme_usage(options, *scheme);
     if (options.cull && options.device.device == "cpu")
         throw CLI::ValidationError("--cull", "needs a Vulkan device: --device cpu does not cull");
@@ -249,7 +249,7 @@ Result<TriangleMesh> make_adaptive_mesh(const Options& options, const RunDevice&
 Result<void> tessellate_model(const Options& options, Progress& progress) {
     const Result<RunDevice> device = RunDevice::create(options.device);
     if (!device) return device.error();
-    const SubdivisionScheme* scheme = scheme_without_patches(options.model, options.surface);
+    const SubdivisionScheme* scheme = scheme_drawn_evenly(options.model, options.surface);
     const Result<TriangleMesh> mesh = scheme != nullptr ? make_scheme_mesh(options, *scheme, *device, progress)
                                                         : make_adaptive_mesh(options, *device, progress);
     if (!mesh) return mesh.error();

@@ -30,7 +30,7 @@ struct Options {
 Result<viewer::ViewModel> load_view_model(const Options& options, const std::string& scheme) {
     SurfaceOptions surface = options.surface;
     surface.scheme = scheme;
-    if (const SubdivisionScheme* even = scheme_without_patches(options.model, surface)) {
+    if (const SubdivisionScheme* even = scheme_drawn_evenly(options.model, surface)) {
         Result<LoadedModel> loaded = load_model(options.model, surface);
         if (!loaded) return loaded.error();
         auto corners = corner_values_of(*loaded, *even);
@@ -46,7 +46,7 @@ Result<viewer::ViewModel> load_view_model(const Options& options, const std::str
 }
 
 int run(const Options& options) {
-    if (scheme_without_patches(options.model, options.surface) != nullptr)
+    if (scheme_drawn_evenly(options.model, options.surface) != nullptr)
         if (const std::string wrong = check_even_look(options.look, false); !wrong.empty()) {
             std::fprintf(stderr, "limn: %s\n", wrong.c_str());
             return kBadUsage;

@@ -32,8 +32,8 @@ struct Refinement {
 };
 
 /// Refines the mesh for vertex and varying data.
-/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners, unsupported (Doo-Sabin),
-/// cancelled.
+/// Errors: invalid_argument (level), too_large when a level would hold more than 2^31 - 1 corners, unsupported
+/// (Doo-Sabin), cancelled.
 Result<Refinement> build_refinement(const ControlMesh& mesh, const RefinementOptions& options);
 
 /// Refines one face-varying channel: the same faces in the same order at every level, cut along its seams;

@@ -466,6 +466,10 @@ TEST(DooSabinPatches, refuse_what_they_cannot_be_made_of) {
     ASSERT_EQ(code_of(of_pillow), ErrorCode::unsupported);
     EXPECT_NE(of_pillow.error().message.find("vertex 0"), std::string::npos);
 
+    TestMesh column = make_prism(kMaxRingSize);
+    column.options.scheme = Scheme::doo_sabin;
+    EXPECT_EQ(code_of(build_patch_table<float>(mesh_of(column), {})), ErrorCode::unsupported);
+
     TestMesh cube = make_cube();
     cube.options.scheme = Scheme::doo_sabin;
     add_channel(cube, FaceVaryingInterpolation::none, [](uint32_t, uint32_t) { return false; });

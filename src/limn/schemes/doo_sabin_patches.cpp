@@ -169,21 +169,23 @@ const BuiltPlan* find_or_build(uint32_t near, uint32_t far, uint32_t depth, Plan
     return plan;
 }
 
-Error refuse(uint32_t vertex, const char* cause) {
+Error refuse(uint32_t vertex, const std::string& cause) {
     return Error{ErrorCode::unsupported,
-                 "Doo-Sabin patches take " + std::string(cause) + ": vertex " + std::to_string(vertex),
-                 vertex};
+                 "Doo-Sabin patches take " + cause + ": vertex " + std::to_string(vertex), vertex};
 }
 
 /// Around faces that are drawn; what the others are like does not matter.
 Result<void> check_vertices(const Topology& t) {
     for (uint32_t c = 0; c < t.corner_count(); ++c) {
-        if (t.face_holes[t.face_of_corner(c)] != 0) continue;
-        const uint32_t v = t.face_vertices[c];
+        const uint32_t f = t.face_of_corner(c), v = t.face_vertices[c];
+        if (t.face_holes[f] != 0) continue;
         if (t.vertex_manifold[v] == 0) return refuse(v, "vertices with one fan of faces, wound one way");
         if (is_boundary_vertex(t, v))
             return refuse(v, "no boundaries (boundary interpolation none leaves out the faces there)");
         if (face_valence(t, v) < 3) return refuse(v, "vertices of three faces or more");
+        if (uint64_t{t.size_of_face(f)} + face_valence(t, v) >= kMaxRingSize)
+            return refuse(v, "faces and vertices that have less than " + std::to_string(kMaxRingSize) +
+                                 " corners together");
     }
     return {};
 }
@@ -241,17 +243,6 @@ class ChunkWriter {
     std::vector<uint32_t> around_vertex_, around_face_;
 };
 
-Result<void> find_plans(CandidateChunk& chunk, uint32_t depth, PlanCache::Impl& cache) {
-    for (const CandidateChunk::Kind& kind : chunk.kinds) {
-        if (kind.hash[0] + kind.hash[1] + 1 > kMaxRingSize)
-            return Error{ErrorCode::unsupported, "more than " + std::to_string(kMaxRingSize) +
-                                                     " points lie around one face of the surface"};
-        chunk.plans.push_back(find_doo_sabin_plan(static_cast<uint32_t>(kind.hash[0]),
-                                                  static_cast<uint32_t>(kind.hash[1]), depth, cache));
-    }
-    return {};
-}
-
 }  // namespace
 
 const BuiltPlan* find_doo_sabin_plan(uint32_t near, uint32_t far, uint32_t depth, PlanCache::Impl& cache) {
@@ -276,7 +267,10 @@ Result<Candidates> find_doo_sabin_candidates(const Topology& base, const PlanOpt
         1);
     for (const auto& chunk : out.chunks) {
         if (auto ok = part.check(); !ok) return ok.error();
-        if (auto ok = find_plans(*chunk, options.depth, cache); !ok) return ok.error();
+        for (const CandidateChunk::Kind& kind : chunk->kinds)
+            chunk->plans.push_back(find_doo_sabin_plan(static_cast<uint32_t>(kind.hash[0]),
+                                                       static_cast<uint32_t>(kind.hash[1]), options.depth,
+                                                       cache));
     }
     return out;
 }
