@@ -216,7 +216,6 @@ Result<TriangleMesh> make_scheme_mesh(const Options& options, const SubdivisionS
         error.message = printable(options.model) + ": " + error.message;
         return error;
     };
-    note_left_out(options.model, *loaded, scheme, progress);
     TriangleMesh mesh;
     const auto build = [&]() -> Result<SchemeSurface> {
         if (chord_error(options)) return build_adaptive_model(options, *loaded, scheme, mesh.rate_scale, progress);
@@ -228,6 +227,7 @@ Result<TriangleMesh> make_scheme_mesh(const Options& options, const SubdivisionS
     };
     const Result<SchemeSurface> surface = build();
     if (!surface) return name_model(surface.error());
+    note_left_out(options.model, *loaded, scheme, progress);
     progress.show("evaluating stencils on " + device.name());
     auto vertices = run_scheme_surface(device, *surface, loaded->model.positions);
     if (!vertices) return name_model(vertices.error());
