@@ -107,21 +107,23 @@ std::vector<uint32_t> sizes_of(const AdaptiveSurfaceDouble& surface) {
     return sizes;
 }
 
-/// Three times the triangles of the control mesh: neither all that so many steps make nor none.
+/// Five times the triangles of the control mesh, which no even refinement makes: neither all that so many
+/// steps make nor none.
 AdaptiveSurfaceDouble build_some(const RefinedMesh& mesh, const SubdivisionScheme& scheme, uint32_t steps) {
     const size_t few = mesh.face_vertices.size() - 2 * mesh.face_sizes.size();
-    return build(mesh, scheme, {.max_level = steps, .max_triangles = static_cast<uint32_t>(3 * few)});
+    return build(mesh, scheme, {.max_level = steps, .max_triangles = static_cast<uint32_t>(5 * few)});
 }
 
 TEST_P(EveryAdaptive, IsClosedAndBalanced) {
     if (is_linear()) return;  // AsFlatAsTheControlMesh
+    // Wide masks take long where no two neighbourhoods are alike.
+    const bool random = scheme().faces != FaceKind::quads && scheme().rings <= 3;
     for (const bool open : {false, true})
         for (uint64_t seed = 1; seed <= 2; ++seed) {
             SCOPED_TRACE(testing::Message() << (open ? "open " : "closed ") << seed);
-            const RefinedMesh mesh = scheme().faces == FaceKind::quads
-                                         ? make_irregular_mesh(scheme(), open, seed)
-                                         : make_random_manifold(scheme(), open, seed);
-            const AdaptiveSurfaceDouble surface = build_some(mesh, scheme(), steps());
+            const RefinedMesh mesh = random && seed == 1 ? make_random_manifold(scheme(), open, seed)
+                                                         : make_irregular_mesh(scheme(), open, seed);
+            const AdaptiveSurfaceDouble surface = build_some(mesh, scheme(), steps() + in_four());
             const auto sizes = sizes_of(surface);
             const auto edges = edges_of(sizes, surface.face_vertices);
             EXPECT_EQ(shape_of(edges, sizes.size()),
