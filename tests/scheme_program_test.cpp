@@ -122,7 +122,7 @@ TEST_F(Program, says_which_schemes_a_command_takes) {
     expect_failure("check cube.obj --scheme doo-sabin", 2, "limn check takes no 'doo-sabin': catmark, loop, bilinear");
     expect_failure("refine cube.obj --level 1 --scheme sqrt3 -o result.obj", 1,
                    "cube.obj:13: sqrt(3) takes triangles only: face 0 has 4 vertices (--triangulate cuts it)");
-    expect_failure("tessellate cube.obj --scheme kobbelt --chord-error 0.1 -o result.obj", 2, "--rate");
+    expect_failure("tessellate cube.obj --scheme mid-edge --chord-error 0.1 -o result.obj", 2, "--rate");
     expect_failure("tessellate cube.obj --scheme kobbelt --max-triangles 10 -o result.obj", 2, "--rate");
     expect_failure("tessellate cube.obj --scheme loop --triangulate --quads -o result.obj", 2, "--quads");
     write("book.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");

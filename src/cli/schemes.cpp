@@ -21,7 +21,7 @@ void print_schemes() {
         if (scheme.creases == CreaseRules::semi_sharp) traits += ", creases";
         if (std::find(patches.begin(), patches.end(), scheme.name) != patches.end()) traits += ", patches";
         if (scheme.reconstructed) traits += ", reconstructed";
-        std::printf("%-22s %-34s %s%s%s\n", scheme.name, scheme.title, traits.c_str(), *scheme.source != 0 ? "; " : "",
+        std::printf("%-22s %-39s %s%s%s\n", scheme.name, scheme.title, traits.c_str(), *scheme.source != 0 ? "; " : "",
                     scheme.source);
     }
 }

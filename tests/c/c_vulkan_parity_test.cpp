@@ -265,7 +265,7 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
                               LIMN_VK_TESSELLATION_SHADER_ENABLED);
     auto stages = sized<limn_vk_hardware_stages>();
     sweep(limn_vk_hardware_tessellator_get_stages, 0, hardware, LIMN_SCHEME_LOOP, &stages, &error);
-    EXPECT_EQ(limn_vk_hardware_tessellator_get_stages(hardware, 3, &stages, &error), LIMN_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(limn_vk_hardware_tessellator_get_stages(hardware, 4, &stages, &error), LIMN_ERROR_INVALID_ARGUMENT);
     limn_vk_device_description device_description;
     uint32_t device_count = 0;
     sweep(limn_vk_list_devices, 0, &device_description, 1, &device_count, &error);
