@@ -202,7 +202,7 @@ Result<void> evaluate_by_scheme(const Options& options, const SubdivisionScheme&
     if (!runner) return runner.error();
     const auto limits = runner->run_limits(built->table, loaded->model.positions);
     if (!limits) return limits.error();
-    const std::vector<float> normals = normals_of(*limits);
+    const std::vector<float> normals = normals_of(limits->tangents1, limits->tangents2);
     Result<TextOutput> output = TextOutput::create(options.output);
     if (!output) return output.error();
     output->append("face,u,v,px,py,pz,nx,ny,nz,status\n");

@@ -1,6 +1,6 @@
 #include "cli/point_runner.h"
 
-#include <cmath>
+#include "limn/schemes/scheme_surface.h"
 
 namespace limn::cli {
 namespace {
@@ -11,35 +11,11 @@ std::vector<float> apply_on_host(const StencilTable& table, std::span<const floa
     return out;
 }
 
-/// The table whose weights are a tangent's, sharing nothing with the original.
-StencilTable tangent_table(const StencilTable& table, const Array<float>& weights) {
-    StencilTable tangent;
-    tangent.source_count = table.source_count;
-    tangent.offsets = table.offsets;
-    tangent.indices = table.indices;
-    tangent.weights = weights;
-    return tangent;
-}
-
 Result<vk::Buffer> create_points(const vk::Device& device, uint64_t points, uint32_t width) {
     return vk::create_buffer(device, points * width * sizeof(float), vk::kPointUsage, vk::MemoryUse::device);
 }
 
 }  // namespace
-
-std::vector<float> normals_of(const LimitPoints& limits) {
-    std::vector<float> normals(limits.positions.size());
-    for (size_t i = 0; i < normals.size(); i += 3) {
-        const float* a = limits.tangents1.data() + i;
-        const float* b = limits.tangents2.data() + i;
-        double n[3] = {double(a[1]) * b[2] - double(a[2]) * b[1], double(a[2]) * b[0] - double(a[0]) * b[2],
-                       double(a[0]) * b[1] - double(a[1]) * b[0]};
-        const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (size_t k = 0; k < 3; ++k)  // no tangent plane there: any unit vector will do
-            normals[i + k] = length > 0 ? static_cast<float>(n[k] / length) : k == 2 ? 1.0f : 0.0f;
-    }
-    return normals;
-}
 
 Result<PointRunner> PointRunner::create(const RunDevice& device) {
     PointRunner runner;
@@ -96,8 +72,8 @@ Result<LimitPoints> PointRunner::run_limits(const StencilTable& table, std::span
     LimitPoints limits;
     if (device_->is_host()) {
         limits.positions = apply_on_host(table, source, 3);
-        limits.tangents1 = apply_on_host(tangent_table(table, table.tangent1_weights), source, 3);
-        limits.tangents2 = apply_on_host(tangent_table(table, table.tangent2_weights), source, 3);
+        limits.tangents1 = apply_on_host(with_weights(table, table.tangent1_weights), source, 3);
+        limits.tangents2 = apply_on_host(with_weights(table, table.tangent2_weights), source, 3);
         return limits;
     }
     const vk::Device& device = *device_->vulkan();

@@ -14,9 +14,6 @@ struct LimitPoints {
     std::vector<float> positions, tangents1, tangents2;  ///< 3 per vertex
 };
 
-/// Unit normals, 3 per vertex; (0, 0, 1) where tangents span no plane.
-std::vector<float> normals_of(const LimitPoints& limits);
-
 class PointRunner {
   public:
     /// `device` outlives the runner.

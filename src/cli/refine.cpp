@@ -89,7 +89,7 @@ Result<void> refine_positions(const Options& options, const LoadedModel& loaded,
     if (options.limit) {
         Result<LimitPoints> limits = evaluate_limits(options, loaded, runner, *refinement, out.topology);
         if (!limits) return limits.error();
-        out.normals = normals_of(*limits);
+        out.normals = normals_of(limits->tangents1, limits->tangents2);
         out.positions = std::move(limits->positions);
     } else {
         Result<std::vector<StencilTable>> tables = build_chain(*refinement);

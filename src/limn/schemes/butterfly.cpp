@@ -43,16 +43,6 @@ void add_boundary_end(const Topology& t, uint32_t v, uint32_t i, double weight, 
     }
 }
 
-/// Eight points around an edge with regular ends.
-void add_regular(const Topology& t, uint32_t e, Row& row) {
-    for (const uint32_t c : t.corners_of_edge(e)) {
-        add(row, t.face_vertices[c], 1.0 / 2);
-        add(row, apex_vertex(t, c), 1.0 / 8);
-        add_apex_across(t, t.next_corner(c), -1.0 / 16, row);
-        add_apex_across(t, t.previous_corner(c), -1.0 / 16, row);
-    }
-}
-
 /// Zorin's weights for an edge between regular ends, one of them or both on the boundary. An ear is a
 /// triangle at two boundary edges.
 void add_regular_at_boundary(const Topology& t, uint32_t e, Row& row) {
@@ -116,7 +106,7 @@ void edge_row(const Stage& p, uint32_t e, Row& row) {
     const Topology& t = p.topology;
     if (is_boundary_edge(t, e)) return four_point_boundary_edge(p, e, row);
     if (add_irregular_ends(t, e, nullptr, row)) return;
-    add_regular(t, e, row);
+    eight_point_edge(p, e, row);
 }
 
 void zorin_edge_row(const Stage& p, uint32_t e, Row& row) {
@@ -125,10 +115,20 @@ void zorin_edge_row(const Stage& p, uint32_t e, Row& row) {
     if (add_irregular_ends(t, e, add_boundary_end, row)) return;
     if (is_boundary_vertex(t, t.edge_vertices[2 * e]) || is_boundary_vertex(t, t.edge_vertices[2 * e + 1]))
         return add_regular_at_boundary(t, e, row);
-    add_regular(t, e, row);
+    eight_point_edge(p, e, row);
 }
 
 }  // namespace
+
+void eight_point_edge(const Stage& p, uint32_t e, Row& row) {
+    const Topology& t = p.topology;
+    for (const uint32_t c : t.corners_of_edge(e)) {
+        add(row, t.face_vertices[c], 1.0 / 2);
+        add(row, apex_vertex(t, c), 1.0 / 8);
+        add_apex_across(t, t.next_corner(c), -1.0 / 16, row);
+        add_apex_across(t, t.previous_corner(c), -1.0 / 16, row);
+    }
+}
 
 std::span<const Pass> butterfly_passes() {
     static constexpr Pass passes[] = {{SplitKind::triangles, {keep_vertex, nullptr, edge_row}}};

@@ -17,39 +17,6 @@ namespace {
 constexpr double kShare = 0.9;        ///< of lambda that other eigenvalues have at most
 constexpr double kLeastLambda = 0.4;  ///< well above 1/4, which the next ring has
 
-/// The point beyond the edge that begins at corner c of a triangle; at a boundary the triangle's third one, reflected.
-void add_wing(const Topology& t, uint32_t c, double weight, Row& row) {
-    const uint32_t beyond = opposite_corner(t, c);
-    if (beyond != kInvalidIndex) return add(row, t.face_vertices[t.previous_corner(beyond)], weight);
-    add(row, t.face_vertices[c], weight);
-    add(row, end_vertex(t, c), weight);
-    add(row, t.face_vertices[t.previous_corner(c)], -weight);
-}
-
-void boundary_edge_row(const Topology& t, uint32_t e, Row& row) {
-    for (uint32_t end = 0; end < 2; ++end) {
-        const uint32_t a = t.edge_vertices[2 * e + end], b = t.edge_vertices[2 * e + 1 - end];
-        add(row, a, 9.0 / 16);
-        const auto [previous, next] = boundary_neighbors(t, a);
-        if (!is_fixed_corner(t, a)) {
-            add(row, previous == b ? next : previous, -1.0 / 16);
-        } else {  // 2 a - b
-            add(row, a, -2.0 / 16);
-            add(row, b, 1.0 / 16);
-        }
-    }
-}
-
-void eight_point_row(const Topology& t, uint32_t e, Row& row) {
-    if (is_boundary_edge(t, e)) return boundary_edge_row(t, e, row);
-    for (const uint32_t c : t.corners_of_edge(e)) {
-        add(row, t.face_vertices[c], 0.5);
-        add(row, t.face_vertices[t.previous_corner(c)], 1.0 / 8);
-        add_wing(t, t.next_corner(c), -1.0 / 16, row);
-        add_wing(t, t.previous_corner(c), -1.0 / 16, row);
-    }
-}
-
 /// The step's matrix for one frequency of the points around a vertex: its neighbours, the points opposite in the next
 /// triangles, and those straight behind the neighbours:
 /// (near_near, near_far, 0; far_near, 1/8, far_behind; 1, 0, 0).
@@ -116,7 +83,8 @@ bool is_tuned(const Topology& t, uint32_t v) {
 
 void edge_row(const Stage& p, uint32_t e, Row& row) {
     const Topology& t = p.topology;
-    eight_point_row(t, e, row);
+    if (is_boundary_edge(t, e)) return four_point_boundary_edge(p, e, row);
+    eight_point_edge(p, e, row);
     for (uint32_t end = 0; end < 2; ++end) {
         const uint32_t v = t.edge_vertices[2 * e + end], n = face_valence(t, v);
         if (!is_tuned(t, v)) continue;
@@ -126,7 +94,7 @@ void edge_row(const Stage& p, uint32_t e, Row& row) {
             const uint32_t u = t.other_vertex(near, v);
             const Change change = change_of(n, lambda, turn);
             add(row, u, change.near);
-            add_wing(t, t.next_corner(t.corners_of_vertex(v)[i]), change.far, row);
+            add_apex_across(t, t.next_corner(t.corners_of_vertex(v)[i]), change.far, row);
             add(row, neighbor(t, u, (edge_position(t, u, near) + 3) % 6), change.behind);
         }
     }

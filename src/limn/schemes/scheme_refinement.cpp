@@ -30,11 +30,13 @@ Error refuse(ErrorCode code, const SubdivisionScheme& scheme, const std::string&
 Result<void> check_manifold(const Topology& t, const SubdivisionScheme& scheme) {
     for (uint32_t e = 0; e < t.edge_count; ++e) {
         const auto at = t.corners_of_edge(e);
-        const std::string edge = "the edge of vertices " + std::to_string(t.edge_vertices[2 * e]) + " and " +
-                                 std::to_string(t.edge_vertices[2 * e + 1]);
-        if (at.size() > 2) return refuse(ErrorCode::unsupported, scheme, "takes no edges of three faces: " + edge, e);
-        if (at.size() == 2 && t.face_vertices[at[0]] == t.face_vertices[at[1]])
-            return refuse(ErrorCode::unsupported, scheme, "takes faces of one winding: " + edge, e);
+        const bool turned = at.size() == 2 && t.face_vertices[at[0]] == t.face_vertices[at[1]];
+        if (at.size() <= 2 && !turned) continue;
+        return refuse(ErrorCode::unsupported, scheme,
+                      std::string(turned ? "takes faces of one winding" : "takes no edges of three faces") +
+                          ": the edge of vertices " + std::to_string(t.edge_vertices[2 * e]) + " and " +
+                          std::to_string(t.edge_vertices[2 * e + 1]),
+                      e);
     }
     for (uint32_t v = 0; v < t.vertex_count; ++v)
         if (t.vertex_manifold[v] == 0 && face_valence(t, v) != 0)
@@ -132,6 +134,7 @@ Result<BasicSchemeRefinement<Real>> build_scheme_refinement(const ControlMesh& m
     out.control_count = mesh.vertex_count;
     auto first = build_first_stage(mesh, scheme, intervals, options.control.part(0, 0.05f));
     if (!first) return first.error();
+    out.control_edges = first->topology.edge_vertices;
     out.last = std::move(*first);
     const size_t pass_count = scheme.passes.size(), count = pass_count * options.level;
     for (size_t i = 0; i < count; ++i) {

@@ -20,6 +20,7 @@ template <class Real>
 struct BasicSchemeRefinement {
     const SubdivisionScheme* scheme = nullptr;
     uint32_t control_count = 0;
+    Array<uint32_t> control_edges;  ///< two control points for each edge of the control mesh
     /// One for each pass of each step, scheme->passes.size() * level in all: points of the stage after it from those of
     /// the stage before. A chain of these is what a device evaluates fastest.
     std::vector<BasicStencilTable<Real>> tables;

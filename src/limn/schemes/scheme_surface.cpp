@@ -36,15 +36,6 @@ void unit(double v[3]) {
     for (int k = 0; k < 3; ++k) v[k] = length > 0 ? v[k] / length : 0;
 }
 
-StencilTable with_weights(const StencilTable& table, const Array<float>& weights) {
-    StencilTable out;
-    out.source_count = table.source_count;
-    out.offsets = Array<uint32_t>::borrow(table.offsets.data(), table.offsets.size());
-    out.indices = Array<uint32_t>::borrow(table.indices.data(), table.indices.size());
-    out.weights = Array<float>::borrow(weights.data(), weights.size());
-    return out;
-}
-
 }  // namespace
 
 double segments_per_step(const SubdivisionScheme& scheme) {
@@ -83,10 +74,35 @@ Result<SchemeSurface> build_scheme_surface(const ControlMesh& mesh, const Subdiv
     out.face_offsets = offsets_of_faces(refinement->mesh());
     out.triangles = triangulate(refinement->mesh());
     out.face_vertices = std::move(refinement->last.topology.face_vertices);
-    auto stage = build_first_stage(mesh, scheme);
-    if (!stage) return stage.error();
-    out.edges = std::move(stage->topology.edge_vertices);
+    out.edges = std::move(refinement->control_edges);
     return out;
+}
+
+StencilTable with_weights(const StencilTable& table, const Array<float>& weights) {
+    StencilTable out;
+    out.source_count = table.source_count;
+    out.offsets = Array<uint32_t>::borrow(table.offsets.data(), table.offsets.size());
+    out.indices = Array<uint32_t>::borrow(table.indices.data(), table.indices.size());
+    out.weights = Array<float>::borrow(weights.data(), weights.size());
+    return out;
+}
+
+std::vector<float> normals_of(std::span<const float> tangents1, std::span<const float> tangents2) {
+    std::vector<float> normals(tangents1.size());
+    for_each_index(static_cast<uint32_t>(normals.size() / 3), [&](uint32_t v) {
+        double a[3], b[3];
+        for (size_t k = 0; k < 3; ++k) {
+            a[k] = tangents1[3 * size_t{v} + k];
+            b[k] = tangents2[3 * size_t{v} + k];
+        }
+        unit(a);
+        unit(b);
+        double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        unit(n);
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) n[2] = 1;
+        for (size_t k = 0; k < 3; ++k) normals[3 * size_t{v} + k] = static_cast<float>(n[k]);
+    });
+    return normals;
 }
 
 SchemeVertices apply_scheme_surface(const SchemeSurface& surface, std::span<const float> points) {
@@ -99,24 +115,11 @@ SchemeVertices apply_scheme_surface(const SchemeSurface& surface, std::span<cons
     SchemeVertices out;
     const size_t count = size_t{3} * surface.vertex_count;
     out.positions.resize(count);
-    out.normals.resize(count);
     std::vector<float> tangents1(count), tangents2(count);
     apply_stencil_table<float>(surface.limit, refined, out.positions, 3);
     apply_stencil_table<float>(with_weights(surface.limit, surface.limit.tangent1_weights), refined, tangents1, 3);
     apply_stencil_table<float>(with_weights(surface.limit, surface.limit.tangent2_weights), refined, tangents2, 3);
-    for_each_index(surface.vertex_count, [&](uint32_t v) {
-        double a[3], b[3];
-        for (size_t k = 0; k < 3; ++k) {
-            a[k] = tangents1[3 * size_t{v} + k];
-            b[k] = tangents2[3 * size_t{v} + k];
-        }
-        unit(a);
-        unit(b);
-        double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        unit(n);
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) n[2] = 1;
-        for (size_t k = 0; k < 3; ++k) out.normals[3 * size_t{v} + k] = static_cast<float>(n[k]);
-    });
+    out.normals = normals_of(tangents1, tangents2);
     return out;
 }
 

@@ -34,6 +34,12 @@ uint32_t steps_for_rate(const SubdivisionScheme& scheme, double rate);
 /// By how much one step multiplies the segments of an edge.
 double segments_per_step(const SubdivisionScheme& scheme);
 
+/// The table with one of its tangents' weights in place of its own; it refers to both arguments' arrays.
+StencilTable with_weights(const StencilTable& table, const Array<float>& weights);
+
+/// Unit normals along tangent1 x tangent2, 3 floats each; (0, 0, 1) where they span no plane.
+std::vector<float> normals_of(std::span<const float> tangents1, std::span<const float> tangents2);
+
 struct SchemeVertices {
     std::vector<float> positions;  ///< 3 * vertex_count
     std::vector<float> normals;    ///< 3 * vertex_count, unit; (0, 0, 1) where there is no tangent plane

@@ -53,6 +53,7 @@ void edge_midpoint(const Stage& parent, uint32_t e, Row& row);
 void chaikin_edge_end(const Stage& parent, uint32_t end, Row& row);
 void cubic_boundary_vertex(const Stage& parent, uint32_t v, Row& row);
 void four_point_boundary_edge(const Stage& parent, uint32_t e, Row& row);
+void eight_point_edge(const Stage& parent, uint32_t e, Row& row);  ///< butterfly, inside; missing points reflected
 void refined_vertex(const Stage& parent, uint32_t v, Row& row);  ///< Catmull-Clark's or Loop's
 void refined_edge(const Stage& parent, uint32_t e, Row& row);
 
