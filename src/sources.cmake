@@ -105,6 +105,8 @@ set(limn_files
     src/limn/schemes/eigen_masks.cpp
     src/limn/schemes/star_chain.h
     src/limn/schemes/star_chain.cpp
+    src/limn/schemes/star_tangents.h
+    src/limn/schemes/star_tangents.cpp
     src/limn/schemes/star_limit.h
     src/limn/schemes/star_limit.cpp
     src/limn/schemes/scheme_limit.h
@@ -360,6 +362,7 @@ set(private_headers
     src/limn/schemes/star_patch.h
     src/limn/schemes/eigen_masks.h
     src/limn/schemes/star_chain.h
+    src/limn/schemes/star_tangents.h
     src/limn/schemes/star_limit.h
     src/limn/schemes/adaptive_faces.h
     src/limn/schemes/characteristic_map.h

@@ -157,6 +157,14 @@ TEST_F(Program, analyzes_schemes) {
     EXPECT_NE(all.output.find("0.5"), std::string::npos);
     ASSERT_EQ(run("analyze --scheme sqrt3 --valence 6 -o map.png").status, 0) << read("err.txt");
     EXPECT_EQ(read("map.png").substr(1, 3), "PNG");
+    const Outcome crease = run("analyze --scheme loop --valence 7 --crease 3 -o crease.png");
+    ASSERT_EQ(crease.status, 0) << crease.errors;
+    EXPECT_NE(crease.output.find("side of 3 faces of 7"), std::string::npos) << crease.output;
+    EXPECT_NE(crease.output.find("side of 4 faces of 7"), std::string::npos) << crease.output;
+    EXPECT_EQ(run("analyze --scheme catmark --valence 5 --dart").status, 0);
+    expect_failure("analyze --scheme sqrt3 --valence 6 --crease 3", 1, "no rules for creases");
+    expect_failure("analyze --scheme loop --valence 6 --crease 6", 1, "both of its sides");
+    expect_failure("analyze --scheme loop --crease 3", 2, "--valence");
     expect_failure("analyze --scheme nothing", 2, "nothing");
     expect_failure("analyze --scheme loop --valence 2", 2, "valence");
     expect_failure("analyze --scheme loop --valence 5 -o nowhere/result.svg", 1, "nowhere/result.svg");

@@ -13,16 +13,27 @@ namespace {
 struct Options {
     std::string scheme, output;
     std::vector<uint32_t> valences;
-    uint32_t boundary = 0;
-    bool json = false;
+    uint32_t boundary = 0, crease = 0;
+    bool dart = false, json = false;
 };
 
 /// Of one star, or why there is none.
 struct Star {
-    uint32_t valence;
-    bool boundary;
+    AnalysisOptions options;
     Result<SchemeAnalysis> analysis;
+
+    /// A piece of the surface, which has no symmetry.
+    bool is_piece() const { return options.boundary || options.crease != 0 || options.dart; }
 };
+
+std::string name_of(const SubdivisionScheme& scheme, const AnalysisOptions& options) {
+    const uint32_t n = options.valence;
+    if (options.boundary) return "boundary vertex of " + plural(n, "face");
+    if (options.crease != 0)
+        return "crease vertex, the side of " + plural(options.crease, "face") + " of " + std::to_string(n);
+    if (options.dart) return "end of a crease between " + plural(n, "face");
+    return scheme.dual ? "face of " + plural(n, "side") : "vertex of " + plural(n, "face");
+}
 
 const char* yes_or_no(bool yes) {
     return yes ? "yes" : "no";
@@ -53,19 +64,19 @@ std::string list_eigenvalues(const std::vector<std::complex<double>>& values) {
 
 void print_one(const SubdivisionScheme& scheme, const Star& star) {
     const SchemeAnalysis& a = *star.analysis;
-    std::printf("%s, %s\n", scheme.title,
-                star.boundary ? ("boundary vertex of " + plural(star.valence, "face")).c_str()
-                : scheme.dual ? ("face of " + plural(star.valence, "side")).c_str()
-                              : ("vertex of " + plural(star.valence, "face")).c_str());
+    std::printf("%s, %s\n", scheme.title, name_of(scheme, star.options).c_str());
     std::printf("  continuity           %s\n", describe(a.continuity));
     if (a.steps > 1) std::printf("  eigenvalues          of %u steps together\n", a.steps);
-    if (star.boundary) {
-        std::printf("  along the boundary   %.9f\n  across it            %.9f\n", a.lambda, a.lambda_cross);
+    if (star.options.dart) {
+        std::printf("  subdominant          %.9f, %.9f\n  the next             %.9f\n", a.lambda, a.lambda_cross, a.third);
+    } else if (star.is_piece()) {
+        std::printf("  along the %-10s %.9f\n  across it            %.9f\n",
+                    star.options.boundary ? "boundary" : "crease", a.lambda, a.lambda_cross);
         std::printf("  the next             %.9f\n", a.third);
     } else {
         std::printf("  subdominant, lambda  %.9f\n  the next             %.9f\n", a.lambda, a.third);
         std::printf("  curvature            %s: lambda^2 %.6f, mu0 %s, mu2 %s\n", describe(a.curvature),
-                    a.lambda * a.lambda, number(a.mu0).c_str(), star.valence < 4 ? "-" : number(a.mu2).c_str());
+                    a.lambda * a.lambda, number(a.mu0).c_str(), star.options.valence < 4 ? "-" : number(a.mu2).c_str());
     }
     if (a.points.empty())
         std::printf("  characteristic map   none\n");
@@ -73,7 +84,7 @@ void print_one(const SubdivisionScheme& scheme, const Star& star) {
         std::printf("  characteristic map   regular: %s, injective: %s\n", yes_or_no(a.map_is_regular),
                     yes_or_no(a.map_is_injective));
     for (const auto& [frequency, eigenvalues] : a.frequencies) {
-        const std::string name = star.boundary ? "eigenvalues" : "frequency " + std::to_string(frequency);
+        const std::string name = star.is_piece() ? "eigenvalues" : "frequency " + std::to_string(frequency);
         std::printf("  %-18s %s\n", name.c_str(), list_eigenvalues(eigenvalues).c_str());
     }
 }
@@ -84,12 +95,12 @@ void print_table(const SubdivisionScheme& scheme, const std::vector<Star>& stars
                 "lambda^2", "mu0", "mu2", "curvature", "continuity");
     for (const Star& star : stars) {
         if (!star.analysis) {
-            std::printf("%7u  %s\n", star.valence, star.analysis.error().message.c_str());
+            std::printf("%7u  %s\n", star.options.valence, star.analysis.error().message.c_str());
             continue;
         }
         const SchemeAnalysis& a = *star.analysis;
-        std::printf("%7u  %.6f  %.6f  %.6f  %-19s %-9s %-20s %s\n", star.valence, a.lambda, a.third,
-                    a.lambda * a.lambda, number(a.mu0).c_str(), star.valence < 4 ? "-" : number(a.mu2).c_str(),
+        std::printf("%7u  %.6f  %.6f  %.6f  %-19s %-9s %-20s %s\n", star.options.valence, a.lambda, a.third,
+                    a.lambda * a.lambda, number(a.mu0).c_str(), star.options.valence < 4 ? "-" : number(a.mu2).c_str(),
                     describe(a.curvature), describe(a.continuity));
     }
 }
@@ -100,7 +111,9 @@ nlohmann::json json_of(std::complex<double> value) {
 }
 
 nlohmann::json json_of(const Star& star) {
-    nlohmann::json out = {{"valence", star.valence}, {"boundary", star.boundary}};
+    nlohmann::json out = {{"valence", star.options.valence}, {"boundary", star.options.boundary}};
+    if (star.options.crease != 0) out["crease"] = star.options.crease;
+    if (star.options.dart) out["dart"] = true;
     if (!star.analysis) {
         out["error"] = star.analysis.error().message;
         return out;
@@ -112,9 +125,9 @@ nlohmann::json json_of(const Star& star) {
     out["third"] = a.third;
     out["continuity"] = describe(a.continuity);
     out["c1"] = a.continuity == Continuity::smooth;
-    if (!star.boundary) {
+    if (!star.is_piece()) {
         out["mu0"] = json_of(a.mu0);
-        if (star.valence >= 4) out["mu2"] = json_of(a.mu2);
+        if (star.options.valence >= 4) out["mu2"] = json_of(a.mu2);
         out["curvature"] = describe(a.curvature);
     }
     for (const auto& [frequency, eigenvalues] : a.frequencies) {
@@ -180,7 +193,7 @@ Plot plot_of(const SubdivisionScheme& scheme, const std::vector<Star>& stars) {
     if (stars.size() == 1) {
         plot.width = 1000;
         plot.height = 520;
-        plot.labels.push_back({20, 22, std::string(scheme.title) + ", " + std::to_string(stars[0].valence)});
+        plot.labels.push_back({20, 22, std::string(scheme.title) + ", " + name_of(scheme, stars[0].options)});
         plot_map(*stars[0].analysis, 10, 30, 480, plot);
         plot_eigenvalues(*stars[0].analysis, 510, 30, 480, plot);
         return plot;
@@ -191,7 +204,7 @@ Plot plot_of(const SubdivisionScheme& scheme, const std::vector<Star>& stars) {
     plot.height = (count + columns - 1) / columns * kSide;
     for (uint32_t i = 0; i < count; ++i) {
         const double left = i % columns * kSide, top = i / columns * kSide;
-        plot.labels.push_back({left + 8, top + 16, std::to_string(stars[i].valence)});
+        plot.labels.push_back({left + 8, top + 16, std::to_string(stars[i].options.valence)});
         if (stars[i].analysis) plot_map(*stars[i].analysis, left + 10, top + 10, kSide - 20, plot);
     }
     return plot;
@@ -200,13 +213,15 @@ Plot plot_of(const SubdivisionScheme& scheme, const std::vector<Star>& stars) {
 int run(const Options& options) {
     const SubdivisionScheme& scheme = *find_subdivision_scheme(options.scheme);
     std::vector<Star> stars;
-    auto add = [&](uint32_t valence, bool boundary) {
-        stars.push_back({valence, boundary, analyze_scheme(scheme, {.valence = valence, .boundary = boundary})});
-    };
-    for (const uint32_t valence : options.valences) add(valence, false);
-    if (options.boundary != 0) add(options.boundary, true);
+    auto add = [&](const AnalysisOptions& star) { stars.push_back({star, analyze_scheme(scheme, star)}); };
+    for (const uint32_t valence : options.valences) {
+        add({.valence = valence, .crease = options.crease, .dart = options.dart});
+        if (options.crease != 0 && options.crease < valence && 2 * options.crease != valence)
+            add({.valence = valence, .crease = valence - options.crease});  // the other side
+    }
+    if (options.boundary != 0) add({.valence = options.boundary, .boundary = true});
     const bool table = stars.empty();
-    for (uint32_t valence = 3; table && valence <= 12; ++valence) add(valence, false);
+    for (uint32_t valence = 3; table && valence <= 12; ++valence) add({.valence = valence});
     for (const Star& star : stars)
         if (!star.analysis && !table) return fail(star.analysis.error());
     if (options.json) {
@@ -236,6 +251,12 @@ void add_analyze(CLI::App& program, int& status) {
         ->check(CLI::Range(3, 64));
     command->add_option("--boundary", options->boundary, "A boundary vertex of as many faces")
         ->check(CLI::Range(1, 64));
+    CLI::Option* crease = command->add_option("--crease", options->crease,
+                                              "An infinitely sharp crease at the vertex, as many faces on one side: both");
+    crease->check(CLI::Range(1, 63))->needs("--valence");
+    command->add_flag("--dart", options->dart, "The end of an infinitely sharp crease at the vertex")
+        ->needs("--valence")
+        ->excludes(crease);
     command
         ->add_option("-o,--output", options->output, "A picture of characteristic maps and eigenvalues, .svg or .png")
         ->check(CLI::Validator(check_plot_path, "FILE"));

@@ -267,6 +267,71 @@ TEST(SchemeMasks, AcrossBoundaries) {
         }
 }
 
+/// Each side of a crease is what a boundary of as many faces is, whatever lies beyond; eigenvalues across it in closed
+/// form (schemes with standard boundary rules).
+TEST(CreaseAnalysis, SidesAreLikeBoundaries) {
+    for (const char* name : {"catmark", "loop", "catmark-blz", "loop-blz"})
+        for (uint32_t n = 3; n <= 9; ++n)
+            for (uint32_t k = 1; k < n; ++k) {
+                SCOPED_TRACE(std::string(name) + ", " + std::to_string(k) + " of " + std::to_string(n));
+                const SubdivisionScheme& scheme = *find_subdivision_scheme(name);
+                const auto crease = analyze_scheme(scheme, {.valence = n, .crease = k});
+                const auto boundary = analyze_scheme(scheme, {.valence = k, .boundary = true});
+                ASSERT_TRUE(crease && boundary);
+                EXPECT_NEAR(crease->lambda, boundary->lambda, 1e-12);
+                EXPECT_NEAR(crease->lambda_cross, boundary->lambda_cross, 1e-9);
+                EXPECT_NEAR(crease->third, boundary->third, 1e-6);
+                EXPECT_EQ(crease->continuity, boundary->continuity);
+                EXPECT_EQ(crease->map_is_regular, boundary->map_is_regular);
+                EXPECT_EQ(crease->face_sizes.size(), boundary->face_sizes.size());
+                const double c = std::cos(pi / k);
+                if (k >= 2 && scheme.name == std::string("catmark")) {
+                    EXPECT_NEAR(crease->lambda_cross, (5 + c + std::sqrt((c + 9) * (c + 1))) / 16, 1e-12);
+                } else if (k >= 2 && scheme.name == std::string("loop")) {
+                    EXPECT_NEAR(crease->lambda_cross, 0.375 + c / 4, 1e-12);
+                }
+            }
+}
+
+/// The map of a side is an eigenvector: one refinement makes it lambda times as large along the crease, lambda_cross
+/// times across it, which nothing beyond the crease changes.
+TEST(CreaseAnalysis, MapsLieOnOneSide) {
+    const SubdivisionScheme& scheme = *find_subdivision_scheme("catmark");
+    for (const uint32_t k : {2u, 3u}) {
+        const auto crease = analyze_scheme(scheme, {.valence = 5, .crease = k});
+        ASSERT_TRUE(crease);
+        ASSERT_EQ(crease->continuity, Continuity::smooth);
+        double low = 1, high = -1;
+        for (const uint32_t v : crease->face_vertices) {
+            low = std::min(low, crease->points[2 * size_t{v} + 1]);
+            high = std::max(high, crease->points[2 * size_t{v} + 1]);
+        }
+        EXPECT_NEAR(low * high, 0, 1e-8);  // all on one side of a straight crease
+        EXPECT_GT(high - low, 0.1);
+        EXPECT_EQ(std::count(crease->face_rings.begin(), crease->face_rings.end(), 1u), k);
+    }
+}
+
+/// Around a dart the vertex is smooth, its one sharp edge apart: eigenvalues of the whole star, without symmetry.
+TEST(CreaseAnalysis, Darts) {
+    for (const char* name : {"catmark", "loop"}) {
+        const SubdivisionScheme& scheme = *find_subdivision_scheme(name);
+        for (const uint32_t n : {3u, 4u, 5u, 6u, 8u}) {
+            SCOPED_TRACE(std::string(name) + std::to_string(n));
+            const auto dart = analyze_scheme(scheme, {.valence = n, .dart = true});
+            ASSERT_TRUE(dart) << dart.error().message;
+            ASSERT_EQ(dart->frequencies.size(), 1u);
+            EXPECT_NEAR(dart->frequencies[0].eigenvalues[0].real(), 1, 1e-12);
+            // Across the dart nothing sharp is felt: odd eigenvectors are those of the smooth star.
+            const auto smooth = analyze_scheme(scheme, {.valence = n});
+            ASSERT_TRUE(smooth);
+            const bool found = std::abs(dart->lambda - smooth->lambda) < 1e-10 ||
+                               std::abs(dart->lambda_cross - smooth->lambda) < 1e-10;
+            EXPECT_TRUE(found) << dart->lambda << " " << dart->lambda_cross << " " << smooth->lambda;
+        }
+    }
+}
+
 TEST(SchemeMasks, FourEightIsABoxSpline) {
     const SubdivisionScheme* scheme = find_subdivision_scheme("4-8");
     ASSERT_NE(scheme, nullptr);
@@ -322,6 +387,12 @@ TEST(SchemeVerdicts, OptionsAreChecked) {
     EXPECT_EQ(analyze_scheme(scheme, {.valence = 65}).error().code, ErrorCode::invalid_argument);
     EXPECT_EQ(analyze_scheme(scheme, {.rings = 7}).error().code, ErrorCode::invalid_argument);
     EXPECT_EQ(analyze_scheme(scheme, {.boundary = true}).error().code, ErrorCode::unsupported);
+    EXPECT_EQ(analyze_scheme(scheme, {.crease = 2}).error().code, ErrorCode::unsupported);
+    EXPECT_EQ(analyze_scheme(scheme, {.dart = true}).error().code, ErrorCode::unsupported);
+    const SubdivisionScheme& creased = *find_subdivision_scheme("catmark");
+    EXPECT_EQ(analyze_scheme(creased, {.valence = 4, .crease = 4}).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(analyze_scheme(creased, {.boundary = true, .crease = 1}).error().code, ErrorCode::invalid_argument);
+    EXPECT_EQ(analyze_scheme(creased, {.crease = 1, .dart = true}).error().code, ErrorCode::invalid_argument);
 }
 
 /// A map's control net is an eigenvector: faces counter-clockwise, ring within ring.

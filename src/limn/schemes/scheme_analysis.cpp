@@ -10,7 +10,7 @@
 #include "limn/schemes/eigen_masks.h"
 #include "limn/schemes/star.h"
 #include "limn/schemes/star_chain.h"
-#include "limn/schemes/star_limit.h"
+#include "limn/schemes/star_tangents.h"
 
 namespace limn {
 namespace {
@@ -24,58 +24,78 @@ using Eigen::VectorXd;
 constexpr double kEqual = 1e-9;
 constexpr double pi = std::numbers::pi;
 
-Stage stage_of_faces(const SubdivisionScheme& scheme, uint32_t vertex_count,
-                     const std::vector<std::vector<uint32_t>>& faces) {
-    SchemeOptions options;
-    options.scheme = scheme.faces == FaceKind::triangles ? Scheme::loop : Scheme::catmull_clark;
-    Array<uint32_t> offsets, vertices;
-    offsets.push_back(0);
-    for (const auto& face : faces) {
-        for (const uint32_t v : face) vertices.push_back(v);
-        offsets.push_back(static_cast<uint32_t>(vertices.size()));
-    }
-    Stage stage;
-    stage.topology = topology_of_faces(options, vertex_count, std::move(offsets), std::move(vertices), true);
-    return stage;
+ControlMesh empty_star(const SubdivisionScheme& scheme, uint32_t vertex_count) {
+    ControlMesh star;
+    star.options.scheme = scheme.faces == FaceKind::triangles ? Scheme::loop : Scheme::catmull_clark;
+    star.vertex_count = vertex_count;
+    star.face_offsets.push_back(0);
+    return star;
 }
 
-/// Closed, with n faces around vertex 0 and as many around vertex 1; or a prism whose face 0 has n sides.
-Stage closed_star(const SubdivisionScheme& scheme, uint32_t n) {
-    std::vector<std::vector<uint32_t>> faces;
-    if (scheme.dual) {
-        faces.resize(2);
-        for (uint32_t i = 0; i < n; ++i) {
-            faces[0].push_back(i);
-            faces[1].push_back(2 * n - 1 - i);
-            faces.push_back({i, i + n, (i + 1) % n + n, (i + 1) % n});
-        }
-        return stage_of_faces(scheme, 2 * n, faces);
+void add_face(ControlMesh& star, std::initializer_list<uint32_t> vertices) {
+    for (const uint32_t v : vertices) star.face_vertices.push_back(v);
+    star.face_offsets.push_back(static_cast<uint32_t>(star.face_vertices.size()));
+}
+
+/// Face 0 with n sides, between quads.
+ControlMesh prism(const SubdivisionScheme& scheme, uint32_t n) {
+    ControlMesh star = empty_star(scheme, 2 * n);
+    for (const bool top : {true, false}) {
+        for (uint32_t i = 0; i < n; ++i) star.face_vertices.push_back(top ? i : 2 * n - 1 - i);
+        star.face_offsets.push_back(static_cast<uint32_t>(star.face_vertices.size()));
     }
+    for (uint32_t i = 0; i < n; ++i) add_face(star, {i, i + n, (i + 1) % n + n, (i + 1) % n});
+    return star;
+}
+
+/// Closed, with n faces around vertex 0 and as many around vertex 1.
+ControlMesh closed_star(const SubdivisionScheme& scheme, uint32_t n) {
     const bool triangles = scheme.faces == FaceKind::triangles;
     const uint32_t around = triangles ? n : 2 * n;
+    ControlMesh star = empty_star(scheme, 2 + around);
     for (uint32_t i = 0; i < n; ++i) {
         auto at = [&](uint32_t k) { return 2 + k % around; };
         if (triangles) {
-            faces.push_back({0, at(i), at(i + 1)});
-            faces.push_back({1, at(i + 1), at(i)});
+            add_face(star, {0, at(i), at(i + 1)});
+            add_face(star, {1, at(i + 1), at(i)});
         } else {
-            faces.push_back({0, at(2 * i), at(2 * i + 1), at(2 * i + 2)});
-            faces.push_back({1, at(2 * i + 3), at(2 * i + 2), at(2 * i + 1)});
+            add_face(star, {0, at(2 * i), at(2 * i + 1), at(2 * i + 2)});
+            add_face(star, {1, at(2 * i + 3), at(2 * i + 2), at(2 * i + 1)});
         }
     }
-    return stage_of_faces(scheme, 2 + around, faces);
+    return star;
 }
 
 /// Vertex 0 on the boundary of a fan of k faces.
-Stage open_star(const SubdivisionScheme& scheme, uint32_t k) {
-    std::vector<std::vector<uint32_t>> faces;
+ControlMesh open_star(const SubdivisionScheme& scheme, uint32_t k) {
     const bool triangles = scheme.faces == FaceKind::triangles;
+    ControlMesh star = empty_star(scheme, triangles ? 2 + k : 2 + 2 * k);
     for (uint32_t i = 0; i < k; ++i) {
-        faces.push_back({0, 1 + i});
-        if (!triangles) faces.back().push_back(2 + k + i);
-        faces.back().push_back(2 + i);
+        if (triangles)
+            add_face(star, {0, 1 + i, 2 + i});
+        else
+            add_face(star, {0, 1 + i, 2 + k + i, 2 + i});
     }
-    return stage_of_faces(scheme, triangles ? 2 + k : 2 + 2 * k, faces);
+    return star;
+}
+
+/// Edge i around vertex 0 of a closed star becomes infinitely sharp.
+void add_crease(ControlMesh& star, uint32_t i) {
+    const uint32_t step = star.options.scheme == Scheme::loop ? 1 : 2;
+    star.crease_edges.insert(star.crease_edges.end(), {0, 2 + step * i});
+    star.crease_sharpness.push_back(kInfiniteSharpness);
+}
+
+Stage stage_of(const SubdivisionScheme& scheme, const AnalysisOptions& options) {
+    ControlMesh star = options.boundary ? open_star(scheme, options.valence)
+                       : scheme.dual    ? prism(scheme, options.valence)
+                                        : closed_star(scheme, options.valence);
+    if (options.crease != 0 || options.dart) add_crease(star, 0);
+    if (options.crease != 0) add_crease(star, options.crease);
+    Stage stage;
+    stage.topology = build_topology(star);
+    show_all_faces(stage.topology);
+    return stage;
 }
 
 /// The stationary patch, what a step does to its points, and the points within the rings of interest.
@@ -87,8 +107,7 @@ struct Neighborhood {
 
 Result<Neighborhood> find_neighborhood(const SubdivisionScheme& scheme, const AnalysisOptions& options) {
     const uint32_t rings = map_rings(scheme, options.rings);
-    const Stage stage = options.boundary ? open_star(scheme, options.valence) : closed_star(scheme, options.valence);
-    const StarPatch start = extract_patch(stage, {scheme.dual, 0}, scheme.period, rings);
+    const StarPatch start = extract_patch(stage_of(scheme, options), {scheme.dual, 0}, scheme.period, rings);
     auto chain = follow_steps(start, scheme, rings, [](const std::vector<uint32_t>&) { return false; });
     if (!chain) return chain.error();
     if (!chain->exists) return Error{ErrorCode::unsupported, "the element turns into nothing"};
@@ -219,19 +238,62 @@ void analyze_interior(const SubdivisionScheme& scheme, const AnalysisOptions& op
     out.continuity = classify(out, std::abs(lambda.imag()) < kEqual && lambda.real() > 0);
 }
 
-/// Left eigenvectors over all points of the patch.
-MatrixXd tangents_of(const StarMask& mask, uint32_t size) {
-    MatrixXd tangents = MatrixXd::Zero(size, 2);
-    for (size_t i = 0; i < mask.labels.size(); ++i) {
-        tangents(mask.labels[i], 0) = mask.tangent1[i];
-        tangents(mask.labels[i], 1) = mask.tangent2[i];
+/// A piece of the surface at a vertex without symmetry: one side of what cuts it, or all around a dart.
+struct Piece {
+    StarPatch patch;  ///< the faces of the piece alone, of the same labels
+    std::optional<Tangents> tangents;
+    std::vector<int> labels;  ///< of the matrix: of the piece, and what they depend on
+
+    bool has(uint32_t v) const { return face_valence(patch.stage.topology, v) != 0; }
+};
+
+/// The faces that hang together with those of a sector without a sharp edge between: a crease becomes a boundary, which
+/// is the same to them.
+Topology faces_beside(const Topology& t, const Sector& sector) {
+    ControlMesh mesh;
+    mesh.options = t.options;
+    mesh.vertex_count = t.vertex_count;
+    mesh.face_offsets.push_back(0);
+    std::vector<uint8_t> seen(t.face_count, 0);
+    std::vector<uint32_t> faces = {t.face_of_corner(t.corners_of_vertex(0)[sector.edge % face_valence(t, 0)])};
+    seen[faces[0]] = 1;
+    for (size_t i = 0; i < faces.size(); ++i) {
+        for (uint32_t c = t.face_begin(faces[i]), k = t.size_of_face(faces[i]); k-- != 0; ++c) {
+            mesh.face_vertices.push_back(t.face_vertices[c]);
+            const uint32_t opposite = opposite_corner(t, c);
+            if (opposite == kInvalidIndex || is_infinite(t.edge_sharpness[t.face_edges[c]])) continue;
+            const uint32_t f = t.face_of_corner(opposite);
+            if (std::exchange(seen[f], uint8_t{1}) == 0) faces.push_back(f);
+        }
+        mesh.face_offsets.push_back(static_cast<uint32_t>(mesh.face_vertices.size()));
     }
-    return tangents;
+    Topology out = build_topology(mesh);
+    show_all_faces(out);
+    return out;
+}
+
+Piece piece_of(const AnalysisOptions& options, const Neighborhood& around) {
+    const StarPatch& patch = around.patch;
+    const MatrixXd matrix = around.chain.matrix_of_cycle(patch.size());
+    Piece piece{patch, {}, {}};
+    if (options.dart) {
+        piece.tangents = smooth_tangents(patch, matrix);
+    } else {
+        std::vector<Sector> sectors = sectors_of(patch);
+        if (options.crease != 0)
+            std::erase_if(sectors, [&](const Sector& sector) { return sector.faces != options.crease; });
+        piece.tangents = sector_tangents(patch, matrix, sectors[0]);
+        piece.patch.stage.topology = faces_beside(patch.stage.topology, sectors[0]);
+    }
+    if (piece.tangents) orient(patch, *piece.tangents);
+    for (int v = 0; v < around.matrix.rows(); ++v)
+        if (piece.has(static_cast<uint32_t>(v))) piece.labels.push_back(v);
+    piece.labels = closed_labels(around.matrix, piece.labels);
+    return piece;
 }
 
 /// Right eigenvectors that belong to two left ones; empty where they do not pair up (defective eigenvalues).
-MatrixXd dual_vectors(const Neighborhood& around, const MatrixXd& left, const double (&lambda)[2]) {
-    const MatrixXd& block = around.matrix;
+MatrixXd dual_vectors(const MatrixXd& block, const MatrixXd& left, const double (&lambda)[2]) {
     const MatrixXd unit = MatrixXd::Identity(block.rows(), block.cols());
     MatrixXd right = null_space(MatrixXd(block - lambda[0] * unit));
     if (std::abs(lambda[0] - lambda[1]) > kEqual) {
@@ -239,59 +301,83 @@ MatrixXd dual_vectors(const Neighborhood& around, const MatrixXd& left, const do
         right.conservativeResize(right.rows(), right.cols() + second.cols());
         right.rightCols(second.cols()) = second;
     }
-    const MatrixXd pairing = left.topRows(block.rows()).transpose() * right;
+    const MatrixXd pairing = left.transpose() * right;
     if (pairing.cols() != 2 || std::abs(pairing.determinant()) < 1e-9) return {};
-    MatrixXd out = MatrixXd::Zero(around.patch.size(), 2);
-    out.topRows(block.rows()) = right * pairing.inverse();
-    return out;
+    return right * pairing.inverse();
 }
 
-Result<void> analyze_boundary(const SubdivisionScheme& scheme, const AnalysisOptions& options,
-                              const Neighborhood& around, SchemeAnalysis& out) {
-    StarLimits limits(scheme, patch_rings(scheme));
-    const auto mask =
-        limits.make(extract_patch(around.patch.stage, around.patch.element, scheme.period, patch_rings(scheme)));
-    if (!mask) return mask.error();
-    const MatrixXd left = tangents_of(**mask, around.patch.size());
+/// The largest modulus beside 1 and two others, each once.
+double third_of(std::vector<Complex> eigenvalues, const double (&lambda)[2]) {
+    for (const double known : {1.0, lambda[0], lambda[1]})
+        eigenvalues.erase(std::min_element(eigenvalues.begin(), eigenvalues.end(), [&](Complex a, Complex b) {
+            return std::abs(a - known) < std::abs(b - known);
+        }));
+    double third = 0;
+    for (const Complex value : eigenvalues) third = std::max(third, std::abs(value));
+    return third;
+}
+
+void analyze_piece(const SubdivisionScheme& scheme, const AnalysisOptions& options, const Neighborhood& around,
+                   SchemeAnalysis& out) {
+    const Piece piece = piece_of(options, around);
+    const MatrixXd block = block_of(around.matrix, piece.labels);
+    out.frequencies.push_back({0, sorted_eigenvalues(block)});
+    const std::vector<Complex>& eigenvalues = out.frequencies[0].eigenvalues;
+    if (!piece.tangents) {
+        out.lambda = std::abs(eigenvalues[1]);
+        out.lambda_cross = std::abs(eigenvalues[2]);
+        out.third = std::abs(eigenvalues[3]);
+        return;
+    }
+    MatrixXd left(block.rows(), 2);
+    left.col(0) = piece.tangents->first(piece.labels);
+    left.col(1) = piece.tangents->second(piece.labels);
     double lambda[2];
-    for (int i = 0; i < 2; ++i)
-        lambda[i] = left.col(i).dot(around.chain.step(left.col(i).cast<Complex>()).real()) / left.col(i).squaredNorm();
+    for (int i = 0; i < 2; ++i) lambda[i] = left.col(i).dot(block.transpose() * left.col(i)) / left.col(i).squaredNorm();
     out.lambda = lambda[0];
     out.lambda_cross = lambda[1];
-    out.frequencies.push_back({0, sorted_eigenvalues(around.matrix)});
-    auto others = out.frequencies[0].eigenvalues;
-    for (const double known : {1.0, lambda[0], lambda[1]})
-        others.erase(std::min_element(others.begin(), others.end(),
-                                      [&](Complex a, Complex b) { return std::abs(a - known) < std::abs(b - known); }));
-    for (const Complex value : others) out.third = std::max(out.third, std::abs(value));
-    const MatrixXd right = dual_vectors(around, left, lambda);
+    out.third = third_of(eigenvalues, lambda);
+    const MatrixXd right = dual_vectors(block, left, lambda);
     if (right.cols() == 2) {
-        const VectorXcd x = extend_map(around.chain, right.col(0).cast<Complex>(), lambda[0]);
-        const VectorXcd y = extend_map(around.chain, right.col(1).cast<Complex>(), lambda[1]);
-        draw_map(scheme, around.patch, options.rings, x + Complex(0, 1) * y, out);
+        auto extend = [&](int i) {
+            const VectorXcd inner = scatter(right.col(i), piece.labels, around.patch.size()).cast<Complex>();
+            return extend_map(around.chain, inner, lambda[i]);
+        };
+        VectorXcd z = extend(0) + Complex(0, 1) * extend(1);
+        for (uint32_t v = 0; v < around.patch.size(); ++v)
+            if (!piece.has(v)) z[v] = 0;
+        draw_map(scheme, piece.patch, options.rings, z, out);
     }
-    out.continuity = classify(out, (*mask)->smooth);
+    out.continuity = classify(out, true);
+}
+
+Result<void> check_options(const SubdivisionScheme& scheme, const AnalysisOptions& options) {
+    auto invalid = [](const char* why) { return Error{ErrorCode::invalid_argument, why}; };
+    if (options.valence < (options.boundary ? 1u : 3u) || options.valence > 64)
+        return invalid("a valence is 3 to 64, of a boundary 1 to 64 faces");
+    if (options.rings < 1 || options.rings > 6) return invalid("a characteristic map has 1 to 6 rings");
+    if (options.boundary + (options.crease != 0) + options.dart > 1)
+        return invalid("a vertex is on a boundary, on a crease or at its end");
+    if (options.crease >= options.valence) return invalid("a crease has faces on both of its sides");
+    if (options.boundary && scheme.dual)
+        return Error{ErrorCode::unsupported, "boundary vertices of a dual scheme turn into faces inside"};
+    if ((options.crease != 0 || options.dart) && scheme.creases == CreaseRules::none)
+        return Error{ErrorCode::unsupported, "this scheme has no rules for creases"};
     return {};
 }
 
 }  // namespace
 
 Result<SchemeAnalysis> analyze_scheme(const SubdivisionScheme& scheme, const AnalysisOptions& options) {
-    if (options.valence < (options.boundary ? 1u : 3u) || options.valence > 64)
-        return Error{ErrorCode::invalid_argument, "a valence is 3 to 64, of a boundary 1 to 64 faces"};
-    if (options.rings < 1 || options.rings > 6)
-        return Error{ErrorCode::invalid_argument, "a characteristic map has 1 to 6 rings"};
-    if (options.boundary && scheme.dual)
-        return Error{ErrorCode::unsupported, "boundary vertices of a dual scheme turn into faces inside"};
+    if (auto ok = check_options(scheme, options); !ok) return ok.error();
     const auto around = find_neighborhood(scheme, options);
     if (!around) return around.error();
     SchemeAnalysis out;
     out.steps = static_cast<uint32_t>(around->chain.cycle_size());
-    if (!options.boundary) {
+    if (options.boundary || options.crease != 0 || options.dart)
+        analyze_piece(scheme, options, *around, out);
+    else
         analyze_interior(scheme, options, *around, out);
-        return out;
-    }
-    if (auto ok = analyze_boundary(scheme, options, *around, out); !ok) return ok.error();
     return out;
 }
 

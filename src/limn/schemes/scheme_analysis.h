@@ -11,11 +11,15 @@
 
 namespace limn {
 
-/// A vertex of a primal scheme, a face of a dual one, all around it regular.
+/// A vertex of a primal scheme, a face of a dual one, all around it regular. Of boundary, crease and dart at most one.
 struct AnalysisOptions {
     uint32_t valence = 4;   ///< faces around the vertex, 3 to 64, of a boundary vertex 1 to 64; sides of the face
     bool boundary = false;  ///< of a primal scheme: a vertex on a smooth boundary
-    uint32_t rings = 3;     ///< of the characteristic map, 1 to 6
+    /// Of a scheme with crease rules: a vertex on an infinitely sharp crease, which has as many faces (1 to valence - 1)
+    /// on the side that is looked at, the others beyond; 0: none.
+    uint32_t crease = 0;
+    bool dart = false;   ///< of a scheme with crease rules: a vertex at which an infinitely sharp crease ends
+    uint32_t rings = 3;  ///< of the characteristic map, 1 to 6
 };
 
 enum class Continuity : uint8_t {
@@ -36,7 +40,8 @@ enum class Curvature : uint8_t {
 
 struct SchemeAnalysis {
     /// Eigenvalues of one Fourier frequency, largest modulus first. Frequencies 0 to valence / 2 (a frequency k between
-    /// 0 and valence / 2 counts twice, as valence - k); of a boundary one list of all.
+    /// 0 and valence / 2 counts twice, as valence - k); of boundaries, creases (of the side that is looked at) and darts,
+    /// which have no symmetry to turn by, one list of all.
     struct Frequency {
         uint32_t frequency = 0;
         std::vector<std::complex<double>> eigenvalues;
@@ -45,16 +50,16 @@ struct SchemeAnalysis {
     /// Steps that turn the mesh by half a sector are turned back.
     uint32_t steps = 1;
     std::vector<Frequency> frequencies;
-    double lambda = 0;              ///< subdominant eigenvalue; of a boundary the one along it
-    double lambda_cross = 0;        ///< of a boundary the one across it, else lambda
+    double lambda = 0;              ///< subdominant eigenvalue; of a boundary or crease the one along it
+    double lambda_cross = 0;        ///< of a boundary or crease the one across it, of a dart the second; else lambda
     double third = 0;               ///< largest modulus of all others, 1 excepted
     std::complex<double> mu0, mu2;  ///< largest of frequency 0 after 1, and of frequency 2 (0 below valence 4)
     Continuity continuity = Continuity::not_smooth;
-    Curvature curvature = Curvature::flat;  ///< not of boundaries
+    Curvature curvature = Curvature::flat;  ///< not of boundaries, creases and darts
 
     /// The characteristic map, the surface's shape next to the element, subdivision by subdivision: x and y of its
     /// control points, and faces, counter-clockwise. Empty where there is none. The vertex is point 0, or the face is
-    /// face 0.
+    /// face 0. Of a crease the side that is looked at: points beyond are 0, and no face refers to them.
     std::vector<double> points;
     std::vector<uint32_t> face_sizes, face_vertices, face_rings;
     bool map_is_regular = false;    ///< refined twice, all faces have positive corners
@@ -64,8 +69,8 @@ struct SchemeAnalysis {
 };
 
 /// Builds a star, refines it until it repeats, and takes that step's matrix apart. Thread-safe. Errors:
-/// invalid_argument (options out of range), unsupported (boundaries of dual schemes, and of schemes whose boundary
-/// vertices leave the boundary).
+/// invalid_argument (options out of range or at odds), unsupported (boundaries of dual schemes, and of schemes whose
+/// boundary vertices leave the boundary; creases of schemes that have no rules for them).
 Result<SchemeAnalysis> analyze_scheme(const SubdivisionScheme& scheme, const AnalysisOptions& options);
 
 /// In words: "C1", "not C1: ...".

@@ -114,6 +114,18 @@ std::vector<Row> compose_rows(std::vector<Row>&& rows, const std::vector<Row>& p
     return std::move(rows);
 }
 
+/// How many edges of v are infinitely sharp, boundaries among them; the first one's position.
+struct SharpEdges {
+    uint32_t count = 0, first = 0;
+};
+SharpEdges infinitely_sharp_edges(const Topology& t, uint32_t v) {
+    SharpEdges sharp;
+    const auto edges = t.edges_of_vertex(v);
+    for (uint32_t i = 0; i < edges.size(); ++i)
+        if (is_infinite(t.edge_sharpness[edges[i]]) && sharp.count++ == 0) sharp.first = i;
+    return sharp;
+}
+
 /// Boundary vertices in order, counter-clockwise.
 std::vector<uint32_t> boundary_loop(const Topology& t) {
     std::vector<uint32_t> next(t.vertex_count, kInvalidIndex), loop;
@@ -223,17 +235,6 @@ std::vector<uint32_t> patch_key(const Stage& stage, Element element, uint32_t pe
     return key;
 }
 
-SharpEdges infinitely_sharp_edges(const Topology& t, uint32_t v) {
-    SharpEdges sharp;
-    const auto edges = t.edges_of_vertex(v);
-    for (uint32_t i = 0; i < edges.size(); ++i)
-        if (is_infinite(t.edge_sharpness[edges[i]])) {
-            if (sharp.count < 2) sharp.positions[sharp.count] = i;
-            ++sharp.count;
-        }
-    return sharp;
-}
-
 StarStart canonical_start(const Stage& stage, Element element, uint32_t period, uint32_t rings, StarWalk& walk) {
     const Topology& t = stage.topology;
     constexpr uint32_t kMaxTurns = 64;  // around poles equal neighbourhoods may get different keys
@@ -241,7 +242,7 @@ StarStart canonical_start(const Stage& stage, Element element, uint32_t period, 
     uint32_t turns = element.is_face ? t.size_of_face(element.index) : face_valence(t, element.index);
     if (!element.is_face && turns != 0) {
         const SharpEdges sharp = infinitely_sharp_edges(t, element.index);
-        if (sharp.count >= 2) best.corner = sharp.positions[0] % turns;
+        if (sharp.count >= 2) best.corner = sharp.first % turns;
         if (sharp.count >= 2 || is_boundary_vertex(t, element.index)) turns = 1;
     }
     if (turns > kMaxTurns) turns = 1;

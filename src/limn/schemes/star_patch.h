@@ -87,14 +87,6 @@ struct StageStep {
 };
 StageStep refine_stage(Stage&& stage, const SubdivisionScheme& scheme, Element element);
 
-/// Whether v lies on the boundary of its mesh or on two infinitely sharp edges or more; their first two positions among
-/// the edges of v.
-struct SharpEdges {
-    uint32_t count = 0;
-    uint32_t positions[2] = {0, 0};
-};
-SharpEdges infinitely_sharp_edges(const Topology& t, uint32_t v);
-
 /// The vertices of a disk in the plane, counter-clockwise, without folds: its boundary on the unit circle, the others
 /// between their neighbours. x and y of each vertex. As symmetric as the disk is.
 std::vector<double> planar_layout(const Topology& disk);
