@@ -1,5 +1,6 @@
 // The program under schemes without patches.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "limn/obj.h"
@@ -119,6 +120,13 @@ TEST_F(Program, refines_to_the_limit_by_schemes) {
 TEST_F(Program, says_which_schemes_a_command_takes) {
     expect_failure("refine cube.obj --level 1 --scheme doo -o result.obj", 2, "limn schemes");
     expect_failure("bake cube.obj --scheme kobbelt -o result.limn", 2, "limn bake takes no 'kobbelt': catmark, loop, bilinear, doo-sabin");
+    const Outcome info = run("info cube.obj --scheme butterfly --triangulate");
+    ASSERT_EQ(info.status, 0) << info.errors;
+    EXPECT_NE(info.output.find("Modified Butterfly has no patches"), std::string::npos) << info.output;
+    const auto json = nlohmann::json::parse(run("info cube.obj --scheme kobbelt --json").output);
+    EXPECT_GT(json.at("level1_stencil_bytes").get<int>(), 0);
+    EXPECT_TRUE(json.at("patch_table_bytes").is_null());
+    EXPECT_GT(nlohmann::json::parse(run("info cube.obj --scheme doo-sabin --json").output).at("level1_stencil_bytes"), 0);
     expect_failure("check cube.obj --scheme doo-sabin", 2, "limn check takes no 'doo-sabin': catmark, loop, bilinear");
     expect_failure("refine cube.obj --level 1 --scheme sqrt3 -o result.obj", 1,
                    "cube.obj:13: sqrt(3) takes triangles only: face 0 has 4 vertices (--triangulate cuts it)");

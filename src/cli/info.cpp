@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cli/model_tables.h"
+#include "cli/scheme_model.h"
 #include "limn/baked_file.h"
 #include "limn/file.h"
 #include "limn/patch_table.h"
@@ -95,17 +96,24 @@ void summarize_table(const Result<PatchTable>& table, const char* what, std::opt
         s.notes.push_back("no patch table of " + std::string(what) + ": " + table.error().message);
 }
 
-/// Of the stencils of level 1; 0 of schemes that are not refined by these.
-Result<uint64_t> count_step_table_bytes(const ControlMesh& mesh) {
-    if (mesh.options.scheme == Scheme::doo_sabin) return uint64_t{0};
-    const Result<Refinement> refinement = build_refinement(mesh, {1, false});
+/// Of the stencils of level 1.
+Result<uint64_t> count_step_table_bytes(const LoadedModel& model, const SurfaceOptions& options) {
+    if (const SubdivisionScheme* scheme = scheme_without_refinement(options)) {
+        const auto values = corner_values_of(model, *scheme);
+        if (!values) return values.error();
+        const auto refined = build_scheme_refinement<float>(model.mesh, *scheme, {1, false}, *values);
+        if (!refined) return refined.error();
+        return refined->tables[0].bytes();
+    }
+    const Result<Refinement> refinement = build_refinement(model.mesh, {1, false});
     if (!refinement) return refinement.error();
     const auto step = build_step_table<float>(*refinement, 1);
     if (!step) return step.error();
     return step->bytes();
 }
 
-Result<Summary> summarize(const ControlMesh& mesh) {
+Result<Summary> summarize(const LoadedModel& model, const SurfaceOptions& options) {
+    const ControlMesh& mesh = model.mesh;
     const Topology t = build_topology(mesh);
     Summary s;
     s.vertices = t.vertex_count;
@@ -124,9 +132,13 @@ Result<Summary> summarize(const ControlMesh& mesh) {
         s.texture_values = mesh.channels[0].value_count;
         s.texture_seam_vertices = cut.vertex_count - (t.vertex_count - s.loose_vertices);
     }
-    const auto step_table_bytes = count_step_table_bytes(mesh);
+    const auto step_table_bytes = count_step_table_bytes(model, options);
     if (!step_table_bytes) return step_table_bytes.error();
     s.step_table_bytes = *step_table_bytes;
+    if (const SubdivisionScheme* scheme = scheme_without_patches(options)) {
+        s.notes.push_back("no patch tables: " + std::string(scheme->title) + " has no patches and is refined evenly");
+        return s;
+    }
     const PlanCache cache;
     summarize_table(build_patch_table<float>(mesh, {}, &cache), "positions", s.surface, s);
     if (!mesh.channels.empty())
@@ -292,8 +304,12 @@ int run(const Options& options) {
     if (is_baked_file(options.path)) return run_baked(options);
     const Result<LoadedModel> loaded = load_model(options.path, options.surface);
     if (!loaded) return fail(loaded.error());
-    const Result<Summary> summary = summarize(loaded->mesh);
-    if (!summary) return fail(summary.error());
+    Result<Summary> summary = summarize(*loaded, options.surface);
+    if (!summary) {
+        Error error = summary.error();
+        error.message = printable(options.path) + ": " + error.message;
+        return fail(error);
+    }
     if (options.json)
         print_json(options, *summary);
     else
@@ -308,7 +324,7 @@ void add_info(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("info", "Say what a model is made of");
     command->add_option("MODEL", options->path, "OBJ file, or one of limn bake")->required();
     command->add_flag("--json", options->json, "Print JSON");
-    add_surface_options(*command, options->surface);
+    add_surface_options(*command, options->surface, SchemesTaken::all);
     command->callback([options, command, &status] {
         check_baked_usage(*command, options->path);
         status = run(*options);
