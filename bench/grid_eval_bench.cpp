@@ -28,7 +28,10 @@ void bench_model(const Session& session, const LimnDevice& limn, const BenchMode
                     options, make_limn_grid_candidate(limn, table, model.positions, rate, task, layout)));
             };
             run_limn(GridLayout::interleaved);
-            if (task == PatchTask::normals) run_limn(GridLayout::separate);
+            if (task == PatchTask::normals) {
+                run_limn(GridLayout::packed);
+                run_limn(GridLayout::separate);
+            }
             bench.run(value_or_fail(options, make_loop_grid_candidate(table, model.positions, rate, task,
                                                                       session.machines.copy.host_all_cores)));
             bench.run_osd();

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "candidate.h"
+#include "limn/packed_normal.h"
 #include "patch_samples.h"
 #include "timestamps.h"
 
@@ -131,7 +132,8 @@ Result<void> prepare_local_points(const LimnDevice& limn, const PatchTreeTable& 
 /// Floats from one sample to the next: a position and, behind it, what else is interleaved.
 uint32_t grid_stride(PatchTask task, GridLayout layout) {
     if (task == PatchTask::derivatives) return 9;
-    return task == PatchTask::normals && layout == GridLayout::interleaved ? 6 : 3;
+    if (task == PatchTask::points || layout == GridLayout::separate) return 3;
+    return layout == GridLayout::packed ? 4 : 6;
 }
 
 Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, PatchTask task, GridLayout layout) {
@@ -149,6 +151,7 @@ Result<void> prepare_grid(const LimnDevice& limn, Frame& frame, PatchTask task, 
         return vk::PointBuffer{.buffer = frame.values.handle, .first = first, .stride = stride};
     };
     info.values = interleaved(0);
+    info.packed_normals = layout == GridLayout::packed;
     if (task == PatchTask::normals)
         info.normals =
             separate ? vk::PointBuffer{.buffer = frame.normals.handle, .stride = stride} : interleaved(3);
@@ -172,9 +175,15 @@ PatchValues download_values(const Frame& frame, PatchTask task, GridLayout layou
     const auto part = [&](size_t first) { return unpad_points(values.data() + first, count, stride); };
     PatchValues out;
     out.positions = part(0);
-    if (task == PatchTask::normals)
+    if (layout == GridLayout::packed) {
+        for (size_t i = 0; i < count; ++i) {
+            const auto n = unpack_normal(std::bit_cast<uint32_t>(values[4 * i + 3]));
+            out.normals.insert(out.normals.end(), n.begin(), n.end());
+        }
+    } else if (task == PatchTask::normals) {
         out.normals =
             layout == GridLayout::separate ? download_grid(frame, frame.normals, stride, faces) : part(3);
+    }
     if (task == PatchTask::derivatives) {
         out.du = part(3);
         out.dv = part(6);
@@ -244,11 +253,11 @@ Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const Pa
 
     const std::vector<uint32_t> faces = present_faces(table.ptex_surfaces);
     const uint64_t count = uint64_t{faces.size()} * frame->grid.samples_per_face;
-    auto candidate =
-        make_candidate(limn, frame, layout == GridLayout::separate ? "limn_separate" : "limn", count);
+    constexpr const char* kNames[] = {"limn", "limn_packed", "limn_separate"};
+    auto candidate = make_candidate(limn, frame, kNames[static_cast<size_t>(layout)], count);
     if (!candidate) return candidate;
-    const uint64_t value_count = task == PatchTask::points ? 1 : task == PatchTask::normals ? 2 : 3;
-    candidate->bytes += frame->grid.bytes() + value_count * 12 * count;  // holes are not written
+    const uint64_t words = grid_stride(task, layout) + (layout == GridLayout::separate ? 3u : 0u);
+    candidate->bytes += frame->grid.bytes() + 4 * words * count;  // holes are not written
     candidate->flops = grid_flops(table, *grid);
     candidate->note += ", " + megabytes(frame->grid.bytes()) + " grid";
     candidate->values = [frame, faces, task, layout] { return download_values(*frame, task, layout, faces); };

@@ -30,8 +30,8 @@ PatchCandidate make_limn_host_patch_eval_candidate(const PatchTable& table,
                                                    std::span<const PatchSample> samples,
                                                    const std::vector<float>& positions, double copy_rate);
 
-/// Where normals go: behind each position, or into a buffer of their own.
-enum class GridLayout { interleaved, separate };
+/// Where normals go: behind each position, as three floats or packed into a word, or into a buffer of their own.
+enum class GridLayout { interleaved, packed, separate };
 
 /// Grids of this rate; values() in the order of grid_samples. Derivatives are interleaved.
 Result<PatchCandidate> make_limn_grid_candidate(const LimnDevice& limn, const PatchTable& table,

@@ -17,6 +17,7 @@ set(shared_headers
     kernels/limn/shared/osd_patch.h
     kernels/limn/shared/osd_patch_eval_params.h
     kernels/limn/shared/patch_eval_params.h
+    kernels/limn/shared/octahedral.h
     kernels/limn/shared/grid_eval_params.h
     kernels/limn/shared/patch_tree_layout.h
     kernels/limn/shared/tree_eval_params.h
@@ -36,6 +37,8 @@ set(limn_files
     src/limn/parallel.h
     src/limn/index_map.h
     src/limn/index_map.cpp
+    src/limn/packed_normal.h
+    src/limn/packed_normal.cpp
     src/limn/scheme.h
     src/limn/scheme.cpp
     src/limn/limit_mask.cpp

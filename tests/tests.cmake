@@ -34,6 +34,7 @@ set(test_files
     tests/tess_pattern_test.cpp
     tests/tessellate_test.cpp
     tests/obj_test.cpp
+    tests/packed_normal_test.cpp
     tests/c/c_parity_test.cpp
     tests/c/c_pins.cpp
     tests/baked_file_test.cpp

@@ -68,7 +68,7 @@ void add_ring(uint tile, uint surface_count, uint ring_size, uint first, uint we
     [[unroll]] for (uint i = 0; i < kGroups * kValueCount; ++i) weights[i] = WEIGHTS(weight + i * params.sample_count);
     [[unroll]] for (uint t = 0; t < kSurfaces; ++t) {
         if (first == 0) sums[t].origin = ring_point(t, 0);
-        if (kOutput == kGridOutputNormal && first == 0) sums[t].otherwise = scaled(corner_normal(t));
+        if (kNormals && first == 0) sums[t].otherwise = scaled(corner_normal(t));
         [[unroll]] for (uint g = 0; g < kGroups; ++g)
             [[unroll]] for (uint c = 0; c < 4; ++c) {
                 const vec4 point = ring_point(t, 4 * g + c) - sums[t].origin;

@@ -1,13 +1,17 @@
 // What the grid kernels write of a sample. Before it: TILE_WORD(i), params.
+#include "limn/shared/octahedral.h"
 
 layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
 layout(constant_id = kGridWidthConstant) const uint kWidth = 3;
-layout(constant_id = kGridPairedConstant) const uint kPaired = 0;
+layout(constant_id = kGridAdjacentConstant) const uint kAdjacent = 0;
 layout(constant_id = kGridRefinedConstant) const uint kRefined = 0;
+const bool kNormals = kOutput == kGridOutputNormal || kOutput == kGridOutputPackedNormal;
 
 layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
+layout(std430, binding = kGridValuesBinding) writeonly buffer ValueGroups { uvec4 value_groups[]; };
 layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
+layout(std430, binding = kGridSecondBinding) writeonly buffer SecondWords { uint second_words[]; };
 layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
 
 // Which sample of the pass a word of a placement is; kGridNoSample: none. `face`: the second word of a surface.
@@ -24,13 +28,18 @@ vec3 scaled(vec3 v) {
     return largest > 0 ? v / largest : vec3(0, 0, 1);
 }
 
-// A unit vector for tangents of about unit size: one division, the costliest operation here on a CPU device.
+// A normal, not yet of unit length, for tangents of about unit size.
 vec3 normal_of(vec3 du, vec3 dv, vec3 otherwise) {
-    vec3 n = cross(du, dv);
+    const vec3 n = cross(du, dv);
     const float longest = max(dot(du, du), dot(dv, dv));
     // The squared sine of the angle between tangents, times their relative lengths: below this only rounding is left.
-    if (!(dot(n, n) > 1e-13 * longest * longest)) n = otherwise;
-    return n * inversesqrt(dot(n, n));
+    return dot(n, n) > 1e-13 * longest * longest ? n : otherwise;
+}
+
+uint packed_normal(vec3 n) {
+    float e[2];
+    octahedral_of(n.x, n.y, n.z, e);
+    return packSnorm2x16(vec2(e[0], e[1]));
 }
 
 // What brings tangents to about unit size, so that squares are finite.
@@ -42,8 +51,14 @@ void store_sample(uint s, uint placement, vec4 value, vec4 plan_du, vec4 plan_dv
     const uint value_at = params.value_base + s * params.value_stride;
     const uint second_at = params.second_base + s * params.second_stride;
     vec3 n;
-    if (kOutput == kGridOutputNormal) n = normal_of(plan_du.xyz * scale, plan_dv.xyz * scale, otherwise);
-    if (kPaired != 0) {
+    if (kNormals) n = normal_of(plan_du.xyz * scale, plan_dv.xyz * scale, otherwise);
+    // Of unit length, by one division, the costliest operation here on a CPU device; packed it needs none.
+    if (kOutput == kGridOutputNormal) n *= inversesqrt(dot(n, n));
+    if (kAdjacent != 0 && kOutput == kGridOutputPackedNormal) {
+        value_groups[value_at / 4] = uvec4(floatBitsToUint(value.xyz), packed_normal(n));
+        return;
+    }
+    if (kAdjacent != 0) {
         value_pairs[value_at / 2] = value.xy;
         value_pairs[value_at / 2 + 1] = vec2(value.z, n.x);
         value_pairs[value_at / 2 + 2] = n.yz;
@@ -53,6 +68,7 @@ void store_sample(uint s, uint placement, vec4 value, vec4 plan_du, vec4 plan_dv
     if (kOutput == kGridOutputNormal) {
         for (uint c = 0; c < 3; ++c) second[second_at + c] = n[c];
     }
+    if (kOutput == kGridOutputPackedNormal) second_words[second_at] = packed_normal(n);
     if (kOutput == kGridOutputDerivatives) {
         const float uu = float(int(TILE_WORD(placement))), uv = float(int(TILE_WORD(placement + 1)));
         const float vu = float(int(TILE_WORD(placement + 2))), vv = float(int(TILE_WORD(placement + 3)));

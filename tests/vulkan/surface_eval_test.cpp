@@ -1,5 +1,8 @@
 // Patch and grid evaluation on the device against the same surface in double, which other tests compare with
 // OpenSubdiv and with deep refinement.
+#include <bit>
+
+#include "limn/packed_normal.h"
 #include "vulkan/surface_fixture.h"
 
 namespace limn::vk::test {
@@ -73,6 +76,55 @@ void SurfaceEval::check_grid(const Surface& s, uint32_t rate, const std::string&
     EXPECT_LE(worst, s.tolerance) << name << " rate " << rate;
     EXPECT_LE(worst_derivative, 1e-4) << name << " rate " << rate;
     EXPECT_LE(worst_angle, 0.1) << name << " rate " << rate;
+}
+
+/// Packed behind positions at any alignment, and in a buffer of their own: positions of the same bits, normals as near to
+/// floats' as 16 bits are.
+TEST_F(SurfaceEval, packed_normals_are_normals) {
+    for (const TestMesh& mesh : some_shapes(40)) {
+        const Surface s = surface_of(mesh);
+        const GridTable grid = *build_grid_table(s.table, {.rate = 3});
+        const DeviceGridTable device_grid = *upload_grid_table(device(), grid);
+        const size_t count = grid.sample_count();
+        auto evaluate = [&](const Buffer& out, const PointBuffer& values, const PointBuffer& normals, bool packed) {
+            auto evaluation = evaluator_->prepare_grid({.patches = &s.device_table,
+                                                        .grid = &device_grid,
+                                                        .points = {.buffer = s.points.handle, .stride = 3},
+                                                        .values = values,
+                                                        .normals = normals,
+                                                        .packed_normals = packed});
+            EXPECT_TRUE(evaluation) << evaluation.error().message;
+            run([&](VkCommandBuffer commands) { evaluation->record(commands); });
+            return *download<float>(device(), out, out.size_bytes / 4);
+        };
+        const Buffer full = create_floats(6 * count);
+        const auto expected = evaluate(full, {.buffer = full.handle, .stride = 6},
+                                       {.buffer = full.handle, .first = 3, .stride = 6}, false);
+        for (const auto& [first, stride] : {std::pair{0u, 4u}, {4u, 8u}, {1u, 4u}, {0u, 5u}}) {
+            Buffer out = create_floats(first + stride * count);
+            const auto written = evaluate(out, {.buffer = out.handle, .first = first, .stride = stride},
+                                          {.buffer = out.handle, .first = first + 3, .stride = stride}, true);
+            double worst = 0;
+            for (size_t i = 0; i < count; ++i) {
+                const float* at = written.data() + first + stride * i;
+                for (size_t k = 0; k < 3; ++k) ASSERT_EQ(at[k], expected[6 * i + k]);
+                for (size_t k = 4; k < stride; ++k) ASSERT_EQ(at[k], -7.5f);
+                if (expected[6 * i] == -7.5f) continue;  // of a hole
+                const auto n = unpack_normal(std::bit_cast<uint32_t>(at[3]));
+                worst = std::max(worst, degrees_between(vector_at(n.data()), vector_at(expected.data() + 6 * i + 3)));
+            }
+            EXPECT_LT(worst, 0.005) << mesh.name;
+            for (size_t i = 0; i < first; ++i) EXPECT_EQ(written[i], -7.5f);
+        }
+        const Buffer positions = create_floats(3 * count), normals = create_floats(count);
+        const auto apart = evaluate(normals, {.buffer = positions.handle, .stride = 3},
+                                    {.buffer = normals.handle, .stride = 1}, true);
+        for (size_t i = 0; i < count; ++i) {
+            if (expected[6 * i] == -7.5f) continue;
+            const auto n = unpack_normal(std::bit_cast<uint32_t>(apart[i]));
+            ASSERT_LT(degrees_between(vector_at(n.data()), vector_at(expected.data() + 6 * i + 3)), 0.005);
+        }
+    }
 }
 
 TEST_F(SurfaceEval, samples_equal_the_surface_in_double) {
@@ -366,6 +418,9 @@ TEST_F(SurfaceEval, refuses_what_it_cannot_do) {
     info.normals = points;  // the grid has no derivatives
     EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
     info.normals = {};
+    info.packed_normals = true;  // of none
+    EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
+    info.packed_normals = false;
     info.du = points;  // and dv is missing
     EXPECT_EQ(code(evaluator_->prepare_grid(info)), kInvalid);
     info.du = {};

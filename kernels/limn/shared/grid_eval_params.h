@@ -34,7 +34,7 @@ const uint kGridLoadsConstant = 6;        // how often `groups` ring points are 
 
 const uint kGridCornersConstant = 7;
 const uint kGridSurfacesConstant = 8;  // of a tile
-const uint kGridPairedConstant = 9;    // 1: value and normal are six floats at an even index
+const uint kGridAdjacentConstant = 9;  // 1: value and normal are six floats at an even index; packed, four words at a multiple of four
 const uint kGridRefinedConstant = 10;  // 1: a refined grid: samples are numbered by slots, and control points step / rate apart
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
@@ -45,6 +45,7 @@ const uint kGridCornersFirst = 3;     // the first four
 const uint kGridOutputValue = 0;
 const uint kGridOutputNormal = 1;  // width 3
 const uint kGridOutputDerivatives = 2;
+const uint kGridOutputPackedNormal = 4;  // likewise, the normal one word (octahedral.h)
 const uint kGridOutputRelative = 3;  // values, relative to the first ring point, but for sample 0, which is that point
 
 const uint kGridTileHeader = 3;

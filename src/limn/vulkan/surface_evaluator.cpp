@@ -42,9 +42,10 @@ Result<void> check(const GridEvaluationInfo& info) {
     if (du != dv || (normals && du)) return bad_argument("a grid gives normals, or both du and dv");
     if ((normals || du) && info.grid->value_count != 3) return bad_argument("the grid was built without derivatives");
     if (normals && info.width != 3) return bad_argument("normals are of points of three components");
+    if (info.packed_normals && !normals) return bad_argument("there are no normals to pack");
     for (const PointBuffer* points : {&info.normals, &info.du, &info.dv})
         if (points->buffer != VK_NULL_HANDLE)
-            if (auto checked = check_points(*points, info.width); !checked) return checked;
+            if (auto checked = check_points(*points, info.packed_normals ? 1 : info.width); !checked) return checked;
     return {};
 }
 
@@ -74,7 +75,7 @@ struct Reads {
                 texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
     }
     BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
-        begin -= begin % std::max<uint64_t>(8, limits.minStorageBufferOffsetAlignment);
+        begin -= begin % std::max<uint64_t>(16, limits.minStorageBufferOffsetAlignment);
         return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
     }
     /// Where component 0 of a point is in a bound buffer, in floats.
@@ -224,6 +225,19 @@ bool are_adjacent(const GridEvaluationInfo& info) {
            byte_of(info.normals, 0, 0) == byte_of(info.values, 0, 3);
 }
 
+/// Words of a normal, and of a value that has its normal behind it.
+uint32_t normal_words(const GridEvaluationInfo& info) {
+    return info.packed_normals ? 1 : 3;
+}
+uint32_t adjacent_words(const GridEvaluationInfo& info) {
+    return info.packed_normals ? 4 : 6;
+}
+/// Whether value and normal are written at once, as kGridAdjacentConstant says.
+bool are_written_at_once(const GridEvaluationInfo& info, uint32_t value_base) {
+    const uint32_t alignment = info.packed_normals ? 4 : 2;
+    return are_adjacent(info) && info.values.stride % alignment == 0 && value_base % alignment == 0;
+}
+
 /// What the batches of one pass bind.
 std::vector<BoundBuffer> bind_grid(const GridJob& job, const Reads& reads, uint32_t pass) {
     const GridEvaluationInfo& info = job.info;
@@ -241,8 +255,8 @@ std::vector<BoundBuffer> bind_grid(const GridJob& job, const Reads& reads, uint3
             reads.bind(grid.weights.handle, 0, grid.weights.size_bytes, kGroups),
             reads.bind(info.points.buffer, byte_of(info.points, 0, 0), byte_of(info.points, job.point_count - 1, info.width),
                        kFloats),
-            write(info.values, are_adjacent(info) ? 6 : info.width),
-            write(normals ? info.normals : info.du, info.width),
+            write(info.values, are_adjacent(info) ? adjacent_words(info) : info.width),
+            normals ? write(info.normals, normal_words(info)) : write(info.du, info.width),
             write(info.dv, info.width)};
 }
 
@@ -284,14 +298,14 @@ GridEvalParams grid_params(const GridJob& job, std::span<const BoundBuffer> boun
 }
 
 /// Specialization of grid_eval. `lanes`: invocations of a workgroup are a multiple of it.
-std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch, uint32_t output, bool paired,
+std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch, uint32_t output, bool adjacent,
                                      uint32_t lanes) {
     const GridEvaluationInfo& info = job.info;
     const uint32_t most = most_invocations(*info.grid, batch);
     const uint32_t per_chunk = (batch.sample_count - 1) / ((batch.sample_count - 1) / most + 1) + 1;
     const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
     return {std::min(batch.group_count, 8u), output, info.width, job.narrow_rings, invocations, info.grid->value_count,
-            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, paired, job.refined};
+            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, adjacent, job.refined};
 }
 
 }  // namespace
@@ -321,6 +335,7 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
     Recording& recording = evaluation.state_->recording;
     begin(kGrid, sizeof(GridEvalParams), recording);
     const uint32_t output = info.grid->relative                     ? shared::kGridOutputRelative
+                            : info.packed_normals                   ? shared::kGridOutputPackedNormal
                             : info.normals.buffer != VK_NULL_HANDLE ? shared::kGridOutputNormal
                             : info.du.buffer != VK_NULL_HANDLE    ? shared::kGridOutputDerivatives
                                                                   : shared::kGridOutputValue;
@@ -336,11 +351,11 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
             set = *added;
         }
         const GridEvalParams params = grid_params(job, bound, batch);
-        const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
+        const bool adjacent = are_written_at_once(info, params.value_base);
         const bool rows = batch.by_rows;
         auto made = pipeline(rows ? kGridRows : kGrid,
-                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined}
-                                  : tile_constants(job, batch, output, paired, texel ? 8 : 32));
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, adjacent, job.refined}
+                                  : tile_constants(job, batch, output, adjacent, texel ? 8 : 32));
         if (!made) return made.error();
         recording.add_dispatch(*made, set, group_count_of(batch, params.chunk_count), params);
     }
