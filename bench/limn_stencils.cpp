@@ -82,10 +82,15 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
     auto source = vk::create_point_buffer(device, pad_points(positions, width));
     if (!source) return source.error();
     frame->points.push_back(std::move(*source));
+    // Points between tables are padded, as limn/vulkan/scheme_evaluator.h does.
+    const auto is_padded = [&](size_t i) { return width == 3 && i != 0 && i != tables.size(); };
+    const auto points_of = [&](size_t i) {
+        return vk::PointBuffer{.buffer = frame->points[i].handle, .stride = is_padded(i) ? 4 : width};
+    };
     for (const StencilTable& table : tables) {
         auto uploaded = vk::upload_stencil_table(device, table);
         if (!uploaded) return uploaded.error();
-        const uint64_t point_bytes = uint64_t{4} * width * table.row_count();
+        const uint64_t point_bytes = uint64_t{4} * (is_padded(frame->points.size()) ? 4 : width) * table.row_count();
         auto points = vk::create_buffer(device, point_bytes, vk::kPointUsage, vk::MemoryUse::device);
         if (!points) return points.error();
         candidate.row_count += table.row_count();
@@ -103,8 +108,9 @@ Result<Candidate> make_limn_candidate(const vk::Device& device, const vk::Evalua
         auto evaluation =
             evaluator.prepare({.table = &frame->tables[i],
                                .width = width,
-                               .source = {.buffer = frame->points[i].handle, .stride = width},
-                               .destination = {.buffer = frame->points[i + 1].handle, .stride = width}});
+                               .source = points_of(i),
+                               .destination = points_of(i + 1),
+                               .padded_source = is_padded(i)});
         if (!evaluation) return evaluation.error();
         if (i != 0) vk::record_barrier(device, *commands, vk::kKernelWrites, vk::kKernelReads);
         evaluation->record(*commands);

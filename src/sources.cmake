@@ -236,7 +236,7 @@ set(kernels
     normals
     stencil_eval
     stencil_eval_texel
-    stencil_eval_texel4
+    stencil_eval_texel_point
     patch_eval
     patch_eval_texel
     curvature

@@ -1,18 +1,19 @@
-// The body of the stencil_eval kernels. Before it: TABLE(i), a uvec2, and SOURCE(i), a float, or SOURCE4(i), the vec4
-// of floats i to i + 3, i a multiple of 4.
+// The body of the stencil_eval kernels. Before it: TABLE(i), a uvec2, and SOURCE(i), a float, or SOURCE_POINT(i), a vec4
+// of all components of a point.
 
 layout(local_size_x = kStencilEvalWorkgroupSize) in;
 layout(constant_id = kStencilEvalKindConstant) const uint kKind = kStencilRunOwn;
 layout(constant_id = kStencilEvalEntriesConstant) const uint kEntries = 0;
 layout(constant_id = kStencilEvalWidthConstant) const uint kWidth = 3;
+layout(constant_id = kStencilEvalConsecutiveConstant) const uint kConsecutive = 0;
 
 layout(std430, push_constant) uniform Push { StencilEvalParams params; };
 layout(std430, binding = kStencilEvalDestinationBinding) writeonly buffer Destination { float destination[]; };
 
 void accumulate(inout float point[kStencilEvalMaxWidth], uint index, float weight) {
     const uint at = params.source_base + index * params.source_stride;
-#ifdef SOURCE4
-    const vec4 value = SOURCE4(at);
+#ifdef SOURCE_POINT
+    const vec4 value = SOURCE_POINT(at);
     for (uint c = 0; c < kWidth; ++c) point[c] += weight * value[c];
 #else
     for (uint c = 0; c < kWidth; ++c) point[c] += weight * SOURCE(at + c);
@@ -34,7 +35,7 @@ void main() {
         first = head.y;
         pitch = 1;
         pair_count = TABLE(params.row_base + 2 * item + 1).x;
-    } else if (params.row_base != kStencilEvalConsecutiveRows) {
+    } else if (kConsecutive == 0) {
         const uvec2 rows = TABLE(params.row_base + item / 2);
         row = item % 2 == 0 ? rows.x : rows.y;
     }
@@ -57,8 +58,9 @@ void main() {
         }
     }
 
-    if (invocation < params.item_count && row >= params.row_begin && row < params.row_end) {
-        const uint at = params.destination_base + row * params.destination_stride;
+    // All parameters are read before the branch: behind it, CPU devices gather them lane by lane.
+    const uint at = params.destination_base + row * params.destination_stride;
+    const uint row_begin = params.row_begin, row_end = params.row_end;
+    if (all(bvec3(invocation < params.item_count, row >= row_begin, row < row_end)))
         for (uint c = 0; c < kWidth; ++c) destination[at + c] = point[c];
-    }
 }

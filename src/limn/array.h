@@ -82,8 +82,22 @@ class Array {
         for (size_t i = 0; i < size; ++i) data_[i] = value;
     }
     void push_back(T value) {
-        if (size_ >= capacity_) grow();
+        if (size_ >= capacity_) reserve(size_ < 8 ? 16 : 2 * size_);
         data_[size_++] = value;
+    }
+    /// Room for so many elements, the contents among them.
+    void reserve(size_t capacity) {
+        if (capacity <= capacity_) return;
+        Array larger;
+        larger.allocate(capacity);
+        if (size_ != 0) std::memcpy(larger.data_, data_, bytes());
+        larger.size_ = size_;
+        *this = std::move(larger);
+    }
+    /// Keeps the contents up to `size`; elements behind them are uninitialised. A block that grows has room for half more.
+    void resize(size_t size) {
+        if (size > capacity_) reserve(size_ == 0 ? size : size + size / 2);
+        size_ = size;
     }
 
     T& operator[](size_t i) { return assert(i < size_), data_[i]; }
@@ -106,24 +120,14 @@ class Array {
     void release() {
         if (capacity_ != 0) std::free(data_);
     }
-    /// Room for more: twice as much.
-    void grow() {
-        Array larger;
-        larger.allocate(size_ < 8 ? 16 : 2 * size_);
-        if (size_ != 0) std::memcpy(larger.data_, data_, bytes());
-        larger.size_ = size_;
-        *this = std::move(larger);
-    }
-
     /// Large arrays ask for huge pages where the system grants them on request: a quarter of the time that
-    /// building a table took went into page faults.
+    /// building a table took went into page faults. The last page is a huge one if most of it is used.
     static void* allocate_bytes(size_t bytes) {
 #if defined(__linux__)
         constexpr size_t kHugePage = size_t{2} << 20;
-        if (bytes >= 4 * kHugePage) {
-            const size_t whole = (bytes + kHugePage - 1) / kHugePage * kHugePage;
-            void* data = std::aligned_alloc(kHugePage, whole);
-            if (data != nullptr) madvise(data, whole, MADV_HUGEPAGE);
+        if (bytes >= kHugePage) {
+            void* data = std::aligned_alloc(kHugePage, (bytes + kHugePage - 1) / kHugePage * kHugePage);
+            if (data != nullptr) madvise(data, (bytes + kHugePage / 2) / kHugePage * kHugePage, MADV_HUGEPAGE);
             return data;
         }
 #endif

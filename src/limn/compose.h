@@ -20,6 +20,10 @@ Result<BasicStencilTable<Real>> compose(const Refinement& refinement, const Comp
 /// The base face that face f of a level descends from.
 uint32_t base_face_of(const Refinement& refinement, uint32_t level, uint32_t f);
 
+inline constexpr uint64_t kMaxTableEntries = 0xffffffff;
+/// What larger tables are refused with.
+Error too_many_entries(uint64_t entries);
+
 /// Row sizes, with room for one more entry at the end -> offsets. Error: too_large past 2^32 - 1 entries.
 Result<void> offsets_from_sizes(Array<uint32_t>& sizes);
 

@@ -49,44 +49,95 @@ void for_each_row(uint32_t count, const BuildPart& part, const Body& body) {
 /// Rows of a block of a table, before it is known where they go.
 template <class Real>
 struct RowBlock {
-    std::vector<uint32_t> indices;
-    std::vector<Real> weights;
-};
+    Array<uint32_t> indices;
+    Array<Real> weights;
 
-/// A table of `row_count` rows over source_count points; row_of(r, row) appends row r, and is called once for each.
-/// Holds as much as the table beside it while it is built. Errors: too_large past 2^32 - 1 entries, cancelled.
-template <class Real, class RowOf>
-Result<BasicStencilTable<Real>> build_table_of_rows(uint32_t source_count, uint32_t row_count, const BuildPart& part,
-                                                    const RowOf& row_of) {
-    constexpr uint32_t kBlock = 1024;
-    BasicStencilTable<Real> table;
-    table.source_count = source_count;
-    table.offsets.allocate(size_t{row_count} + 1);
-    table.offsets.back() = 0;
-    std::vector<RowBlock<Real>> blocks(row_count / kBlock + 1);
-    for_each_block(row_count, part.part(0, 0.85f), kBlock, [&](uint32_t begin, uint32_t end) {
-        RowBlock<Real>& block = blocks[begin / kBlock];
+    /// Rows [begin, end); `offsets` receives where each begins within the block.
+    template <class RowOf>
+    void fill(uint32_t begin, uint32_t end, const RowOf& row_of, uint32_t* offsets) {
+        indices.resize(0);  // keeps its memory
+        weights.resize(0);
         Row row;
         for (uint32_t r = begin; r != end; ++r) {
             row.clear();
             row_of(r, row);
             merge_repeated(row);
-            table.offsets[r] = static_cast<uint32_t>(row.size());
-            for (const RowEntry& entry : row) {
-                block.indices.push_back(entry.index);
-                block.weights.push_back(static_cast<Real>(entry.weight));
-            }
+            append(row, *offsets++);
         }
-    });
-    if (auto ok = part.check(); !ok) return ok.error();
-    if (auto ok = offsets_from_sizes(table.offsets); !ok) return ok.error();
-    table.indices.allocate(table.offsets.back());
-    table.weights.allocate(table.offsets.back());
-    for_each_block(row_count, part.part(0.85f, 0.95f), kBlock, [&](uint32_t begin, uint32_t) {
-        RowBlock<Real> block = std::move(blocks[begin / kBlock]);
-        std::copy(block.indices.begin(), block.indices.end(), table.indices.begin() + table.offsets[begin]);
-        std::copy(block.weights.begin(), block.weights.end(), table.weights.begin() + table.offsets[begin]);
-    });
+    }
+    void append(const Row& row, uint32_t& offset) {
+        const size_t at = indices.size();
+        offset = static_cast<uint32_t>(at);
+        indices.resize(at + row.size());
+        weights.resize(at + row.size());
+        for (size_t k = 0; k < row.size(); ++k) {
+            indices[at + k] = row[k].index;
+            weights[at + k] = static_cast<Real>(row[k].weight);
+        }
+    }
+    /// Copies all to where the table has entry `at` on; `offsets` are those of its rows.
+    void move_to(BasicStencilTable<Real>& table, uint64_t at, std::span<uint32_t> offsets) const {
+        std::copy(indices.begin(), indices.end(), table.indices.begin() + at);
+        std::copy(weights.begin(), weights.end(), table.weights.begin() + at);
+        for (uint32_t& offset : offsets) offset += static_cast<uint32_t>(at);
+    }
+};
+
+/// How many entries to make room for: by some of the rows. Their number may be wrong, so not for very many.
+template <class RowOf>
+uint64_t estimate_entries(uint32_t row_count, const RowOf& row_of) {
+    constexpr uint32_t kSample = 1024;
+    constexpr uint64_t kMost = uint64_t{1} << 26;
+    const uint32_t count = std::min(row_count, kSample);
+    uint64_t entries = 0;
+    Row row;
+    for (uint32_t i = 0; i < count; ++i) {
+        row.clear();
+        row_of(static_cast<uint32_t>(uint64_t{i} * row_count / count), row);
+        entries += row.size();
+    }
+    return std::min(kMost, entries * row_count / kSample * 17 / 16);
+}
+
+/// A table of `row_count` rows over source_count points; row_of(r, row) appends row r, the same each time.
+/// Some thousand rows at a time are made, which stay in cache until it is known where they go.
+/// Errors: too_large past 2^32 - 1 entries, cancelled.
+template <class Real, class RowOf>
+Result<BasicStencilTable<Real>> build_table_of_rows(uint32_t source_count, uint32_t row_count, const BuildPart& part,
+                                                    const RowOf& row_of) {
+    constexpr uint32_t kBlock = 512, kWindow = 128 * kBlock;
+    BasicStencilTable<Real> table;
+    table.source_count = source_count;
+    table.offsets.allocate(size_t{row_count} + 1);
+    std::vector<RowBlock<Real>> blocks(std::min(row_count, kWindow) / kBlock + 1);
+    std::vector<uint64_t> firsts(blocks.size());
+    if (row_count > kWindow) {
+        const uint64_t room = estimate_entries(row_count, row_of);
+        table.indices.reserve(room);
+        table.weights.reserve(room);
+    }
+    for (uint32_t first = 0, count; first < row_count; first += count) {
+        count = std::min(kWindow, row_count - first);
+        uint32_t* offsets = table.offsets.data() + first;
+        const auto share = [&](uint32_t row) { return static_cast<float>(row) / static_cast<float>(row_count); };
+        for_each_block(count, part.part(share(first), share(first + count)), kBlock, [&](uint32_t begin, uint32_t end) {
+            blocks[begin / kBlock].fill(first + begin, first + end, row_of, offsets + begin);
+        });
+        if (auto ok = part.check(); !ok) return ok.error();
+        uint64_t entries = table.indices.size();
+        for (uint32_t b = 0; b * kBlock < count; ++b) {
+            firsts[b] = entries;
+            entries += blocks[b].indices.size();
+        }
+        if (entries > kMaxTableEntries) return too_many_entries(entries);
+        table.indices.resize(entries);
+        table.weights.resize(entries);
+        const BuildPart still = part.part(share(first + count), share(first + count));
+        for_each_block(count, still, kBlock, [&](uint32_t begin, uint32_t end) {
+            blocks[begin / kBlock].move_to(table, firsts[begin / kBlock], {offsets + begin, end - begin});
+        });
+    }
+    table.offsets.back() = static_cast<uint32_t>(table.indices.size());
     if (auto ok = part.reach(1); !ok) return ok.error();
     return table;
 }

@@ -11,13 +11,6 @@
 namespace limn {
 namespace {
 
-constexpr uint64_t kMaxEntries = 0xffffffff;
-
-Error too_large(uint64_t entries) {
-    return Error{ErrorCode::too_large,
-                 "a stencil table of " + std::to_string(entries) + " entries, more than 2^32 - 1"};
-}
-
 template <class Real>
 BasicStencilTable<Real> identity_table(const Refinement& refinement) {
     BasicStencilTable<Real> table;
@@ -34,11 +27,16 @@ BasicStencilTable<Real> identity_table(const Refinement& refinement) {
 
 }  // namespace
 
+Error too_many_entries(uint64_t entries) {
+    return Error{ErrorCode::too_large,
+                 "a stencil table of " + std::to_string(entries) + " entries, more than 2^32 - 1"};
+}
+
 Result<void> offsets_from_sizes(Array<uint32_t>& sizes) {
     uint64_t sum = 0;
     for (uint32_t& size : sizes) {
         const uint64_t next = sum + size;
-        if (next > kMaxEntries) return too_large(next);
+        if (next > kMaxTableEntries) return too_many_entries(next);
         size = static_cast<uint32_t>(sum);
         sum = next;
     }

@@ -136,7 +136,7 @@ TEST_P(StencilEvalLayout, WorkgroupsAndBindingsAreThoseOfCpp) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, StencilEvalLayout,
-                         testing::Values("stencil_eval", "stencil_eval_texel", "stencil_eval_texel4"),
+                         testing::Values("stencil_eval", "stencil_eval_texel", "stencil_eval_texel_point"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

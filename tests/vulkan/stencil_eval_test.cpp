@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <random>
 
 #include "limn/vulkan/evaluator.h"
@@ -182,8 +183,10 @@ class StencilEval : public test::VulkanTest {
 
     /// Evaluates and checks all of a table's points.
     void check(const StencilTable& table, uint32_t width, const Layout& from, const Layout& to,
-               double tolerance, bool storage_only_source = false) {
-        const auto points = make_points(from.begin() + size_t{table.source_count} * from.stride);
+               double tolerance, bool storage_only_source = false, bool padded_source = false) {
+        auto points = make_points(from.begin() + size_t{table.source_count} * from.stride);
+        for (size_t i = from.begin() + 3; padded_source && i < points.size(); i += from.stride)
+            points[i] = std::numeric_limits<float>::quiet_NaN();
         const Buffer source = upload(points);
         const Buffer destination = upload_sentinels(to.begin() + size_t{table.row_count()} * to.stride + 3);
         const DeviceStencilTable device_table = upload(table);
@@ -191,6 +194,7 @@ class StencilEval : public test::VulkanTest {
              .width = width,
              .source = from.in(source),
              .destination = to.in(destination),
+             .padded_source = padded_source,
              .storage_only_source = storage_only_source});
         const DevicePoints result = read(destination, to);
         EXPECT_TRUE(
@@ -239,6 +243,19 @@ TEST_F(StencilEval, FetchesPointsOfFourComponents) {
               Layout{.offset_bytes = 4, .stride = width}, Layout{.stride = width + 1}}) {
             check(make_step_table(32, 5), width, from, {.first = 1, .stride = width + 2}, kTolerance);
             check(make_random_table(500, 3000, 0, 70), width, from, {.stride = width}, kTolerance);
+        }
+    }
+}
+
+// So are points of three, wherever they begin: as texels of three floats, or with the float behind them where there is
+// one.
+TEST_F(StencilEval, FetchesPointsOfThreeComponents) {
+    for (VkDeviceSize offset_bytes = 0; offset_bytes <= 48; offset_bytes += 4) {
+        SCOPED_TRACE(offset_bytes);
+        for (const uint32_t stride : {3u, 4u, 6u, 8u}) {
+            const Layout from = {.offset_bytes = offset_bytes, .stride = stride};
+            check(make_step_table(16, 5), 3, from, {.first = 1, .stride = 5}, kTolerance);
+            check(make_random_table(50, 300, 0, 40), 3, from, {}, kTolerance, false, stride % 4 == 0);
         }
     }
 }

@@ -18,10 +18,12 @@ const uint kStencilEvalTableBinding = 0;
 const uint kStencilEvalSourceBinding = 1;
 const uint kStencilEvalDestinationBinding = 2;
 
-// Specialization constants: the kind of run, its entries per row (0: params.pair_count pairs), components per point.
+// Specialization constants: the kind of run, its entries per row (0: params.pair_count pairs), components per point,
+// whether rows are consecutive (1) or listed (0).
 const uint kStencilEvalKindConstant = 0;
 const uint kStencilEvalEntriesConstant = 1;
 const uint kStencilEvalWidthConstant = 2;
+const uint kStencilEvalConsecutiveConstant = 3;
 const uint kStencilEvalMaxWidth = 4;  // wider points take several dispatches
 
 const uint kStencilRunShared = 0;  // all rows of the run have the weights in params.weights
@@ -29,13 +31,12 @@ const uint kStencilRunOwn = 1;     // each row has its own
 const uint kStencilRunLong = 2;    // each row has its own weights and its own size
 
 const uint kStencilEvalMaxSharedWeights = 16;
-const uint kStencilEvalConsecutiveRows = 0xffffffffu;  // row_base: rows are first_row + item
 
 // Push constants. Bases may be negative modulo 2^32: sums come out right.
 struct StencilEvalParams {
     uint index_base;   // pairs, into the bound range of the table
     uint weight_base;  // pairs
-    uint row_base;     // pairs, or kStencilEvalConsecutiveRows
+    uint row_base;     // pairs; of no meaning where rows are consecutive
     uint pitch;        // pairs between one pair of entries of an item and its next
     uint pair_count;   // pairs of entries per item
     uint first_item;   // of the run
@@ -43,9 +44,9 @@ struct StencilEvalParams {
     uint first_row;    // row of item 0, when rows are consecutive
     uint row_begin;    // rows outside [row_begin, row_end) are left alone
     uint row_end;
-    uint source_base;         // component c of source point p is source[source_base + p * source_stride + c]
-    uint source_stride;       // floats
-    uint destination_base;    // likewise, for row r
+    uint source_base;         // component c of source point p is source[source_base + p * source_stride + c]; where
+    uint source_stride;       // texels hold whole points, component c of source[source_base + p * source_stride]
+    uint destination_base;    // component c of row r is destination[destination_base + r * destination_stride + c]
     uint destination_stride;  // floats
     float weights[kStencilEvalMaxSharedWeights];
 };

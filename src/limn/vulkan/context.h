@@ -16,7 +16,8 @@ namespace limn::vk {
 // clang-format off
 #define LIMN_VK_INSTANCE_FUNCTIONS(X) \
     X(EnumeratePhysicalDevices) X(GetPhysicalDeviceProperties) X(GetPhysicalDeviceMemoryProperties) \
-    X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) X(GetDeviceProcAddr)
+    X(GetPhysicalDeviceFormatProperties) X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) \
+    X(GetDeviceProcAddr)
 
 #define LIMN_VK_DEVICE_FUNCTIONS(X) \
     X(DestroyDevice) X(GetDeviceQueue) X(QueueSubmit) X(DeviceWaitIdle) \

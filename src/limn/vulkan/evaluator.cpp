@@ -8,7 +8,7 @@
 #include "limn/vulkan/point_buffers.h"
 #include "limn_kernels/stencil_eval.h"
 #include "limn_kernels/stencil_eval_texel.h"
-#include "limn_kernels/stencil_eval_texel4.h"
+#include "limn_kernels/stencil_eval_texel_point.h"
 
 namespace limn::vk {
 namespace {
@@ -22,15 +22,16 @@ constexpr VkDescriptorType kStorageBindings[kBindingCount] = {
 constexpr VkDescriptorType kTexelBindings[kBindingCount] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-/// How a kernel reads table and source: storage buffers, texel buffers, or texel buffers with points of four
-/// floats.
-enum Variant : uint32_t { kStorage, kTexel, kTexel4, kVariantCount };
+/// How a kernel reads table and source: storage buffers, texel buffers, or texel buffers whose texels are points of three
+/// or four floats.
+enum Variant : uint32_t { kStorage, kTexel, kTexel3, kTexel4, kVariantCount };
 
 /// Texel formats of table and source.
 constexpr VkFormat kTableFormat = VK_FORMAT_R32G32_UINT;
-constexpr VkFormat source_format(Variant variant) {
-    return variant == kTexel4 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32_SFLOAT;
-}
+constexpr VkFormat kSourceFormats[kVariantCount] = {VK_FORMAT_UNDEFINED, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32B32_SFLOAT,
+                                                    VK_FORMAT_R32G32B32A32_SFLOAT};
+/// Floats of what a kernel reads of the source at once.
+constexpr uint32_t kSourceFloats[kVariantCount] = {1, 1, 3, 4};
 
 /// Bytes [begin, end) of a buffer.
 struct Range {
@@ -46,9 +47,16 @@ struct BoundRanges {
 /// How much can be bound at once, and from where.
 struct BindingLimit {
     uint64_t alignment = 4;  ///< of the first byte
+    uint64_t element_bytes = 4;
     uint64_t max_bytes = 0;
 
-    uint64_t align(uint64_t offset) const { return offset - offset % alignment; }
+    /// The last place before byte `offset`, whole elements away, where a binding may begin; more than `offset` where
+    /// there is none.
+    uint64_t align(uint64_t offset) const {
+        uint64_t begin = offset - offset % alignment;
+        while ((offset - begin) % element_bytes != 0 && begin <= offset) begin -= alignment;
+        return begin;
+    }
     bool fits(Range range) const { return range.end - align(range.begin) <= max_bytes; }
 };
 
@@ -93,30 +101,35 @@ struct Evaluator::State {
     const Device* device = nullptr;
     Kernel kernels[kVariantCount];
     bool prefer_texel = false;
+    bool has_texel3 = false;  ///< kTexel3's format
 
     Result<VkPipeline> pipeline(Variant variant, const StencilRun& run, uint32_t width) const {
         const bool unrolled = run.kind == shared::kStencilRunShared || run.entry_count <= kMaxUnrolledEntries;
-        const uint32_t constants[3] = {run.kind, unrolled ? run.entry_count : 0, width};
+        const uint32_t constants[4] = {run.kind, unrolled ? run.entry_count : 0, width, run.has_consecutive_rows()};
         return kernels[variant].pipeline(constants);
     }
 
     BindingLimit limit(Variant variant, uint32_t binding) const {
         const VkPhysicalDeviceLimits& limits = device->properties.limits;
         const bool table = binding == shared::kStencilEvalTableBinding;
-        const uint64_t element_bytes = table ? 8 : variant == kTexel4 ? 16 : 4;
         if (variant == kStorage || binding == shared::kStencilEvalDestinationBinding)
-            return {std::max<uint64_t>(limits.minStorageBufferOffsetAlignment, table ? 8 : 4),
+            return {std::max<uint64_t>(limits.minStorageBufferOffsetAlignment, table ? 8 : 4), table ? 8u : 4u,
                     limits.maxStorageBufferRange};
-        return {std::max<uint64_t>(limits.minTexelBufferOffsetAlignment, element_bytes),
+        const uint64_t element_bytes = table ? 8 : 4 * kSourceFloats[variant];
+        return {std::max<uint64_t>(limits.minTexelBufferOffsetAlignment, 4), element_bytes,
                 std::min<uint64_t>(limits.maxTexelBufferElements, 0x7fffffff) * element_bytes};
     }
 
     Variant choose(const StencilEvaluationInfo& info) const {
         if (!prefer_texel || info.storage_only_source) return kStorage;
-        const PointBuffer& source = info.source;
-        const bool fours = info.width % 4 == 0 && source.stride % 4 == 0 &&
-                           (source.offset_bytes / 4 + source.first) % 4 == 0;
-        return fours ? kTexel4 : kTexel;
+        const uint64_t begin = byte_of(info.source, 0, 0);
+        const bool threes = info.width == 3 && has_texel3;
+        const bool fours = info.width % 4 == 0 || (info.width == 3 && info.padded_source);
+        for (const Variant points : {kTexel4, kTexel3})
+            if ((points == kTexel4 ? fours : threes) && info.source.stride % kSourceFloats[points] == 0 &&
+                limit(points, shared::kStencilEvalSourceBinding).align(begin) <= begin)
+                return points;
+        return kTexel;
     }
 };
 
@@ -125,15 +138,19 @@ namespace {
 /// Collects the dispatches of an evaluation and the descriptor sets that they need.
 class Planner {
   public:
-    Planner(const StencilEvaluationInfo& info, const BindingLimit (&limits)[kBindingCount],
+    Planner(const StencilEvaluationInfo& info, Variant variant, const BindingLimit (&limits)[kBindingCount],
             const VkPhysicalDeviceLimits& device_limits)
-        : info_(info), limits_(limits), max_groups_(device_limits.maxComputeWorkGroupCount[0]) {}
+        : info_(info),
+          source_floats_(kSourceFloats[variant]),
+          bound_width_(std::max(info.width, source_floats_)),
+          limits_(limits),
+          max_groups_(device_limits.maxComputeWorkGroupCount[0]) {}
 
     /// Appends the dispatch of rows [row_begin, row_end) of a run for components [component, component +
     /// width).
     Result<void> add(const StencilRun& run, uint32_t weight_set, const PointBuffer& destination, Range rows,
                      uint32_t component, VkPipeline pipeline) {
-        const bool consecutive = run.kind != shared::kStencilRunLong && run.row_offset == kNoPairs;
+        const bool consecutive = run.has_consecutive_rows();
         const uint32_t row_begin = std::max(run.row_begin, static_cast<uint32_t>(rows.begin));
         const uint32_t row_end = std::min(run.row_end, static_cast<uint32_t>(rows.end));
         if (row_begin >= row_end) return {};
@@ -195,10 +212,10 @@ class Planner {
     /// All source points if they can be bound at once, else those that the run refers to.
     Range source_range(const StencilRun& run) const {
         const uint64_t count = std::max(info_.table->source_count, 1u);
-        const Range all = {byte_of(info_.source, 0, 0), byte_of(info_.source, count - 1, info_.width)};
+        const Range all = {byte_of(info_.source, 0, 0), byte_of(info_.source, count - 1, bound_width_)};
         if (limits_[shared::kStencilEvalSourceBinding].fits(all)) return all;
-        if (run.source_min > run.source_max) return {all.begin, all.begin + 4};
-        return {byte_of(info_.source, run.source_min, 0), byte_of(info_.source, run.source_max, info_.width)};
+        if (run.source_min > run.source_max) return {all.begin, all.begin + 4 * source_floats_};
+        return {byte_of(info_.source, run.source_min, 0), byte_of(info_.source, run.source_max, bound_width_)};
     }
 
     /// A set that binds at least what is needed: the last one, extended when possible, or a new one.
@@ -229,20 +246,21 @@ class Planner {
         };
         params.index_base = pairs(run.index_offset);
         params.weight_base = pairs(run.weight_offsets[planned.weight_set]);
-        params.row_base =
-            run.row_offset == kNoPairs ? shared::kStencilEvalConsecutiveRows : pairs(run.row_offset);
+        params.row_base = pairs(run.row_offset);
         params.pitch = run.item_count;
         params.pair_count = run.pair_count();
         std::copy(std::begin(run.weights), std::end(run.weights), params.weights);
-        params.source_base =
-            static_cast<uint32_t>((byte_of(info_.source, 0, planned.component) - set.ranges[1].begin) / 4);
-        params.source_stride = info_.source.stride;
+        const uint64_t source_bytes = byte_of(info_.source, 0, planned.component) - set.ranges[1].begin;
+        params.source_base = static_cast<uint32_t>(source_bytes / 4 / source_floats_);
+        params.source_stride = info_.source.stride / source_floats_;
         params.destination_base = static_cast<uint32_t>(
             (byte_of(*planned.destination, 0, planned.component) - set.ranges[2].begin) / 4);
         params.destination_stride = planned.destination->stride;
     }
 
     const StencilEvaluationInfo& info_;
+    uint32_t source_floats_;
+    uint32_t bound_width_;  ///< floats of a source point that are bound: whole texels
     const BindingLimit (&limits_)[kBindingCount];
     uint32_t max_groups_;
     std::vector<BoundRanges> sets_;
@@ -279,7 +297,7 @@ class SetWriter {
             writes[b].pBufferInfo = &infos[b];
             if (writes[b].descriptorType != VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) continue;
             auto view = create_view(
-                infos[b], b == shared::kStencilEvalTableBinding ? kTableFormat : source_format(variant_));
+                infos[b], b == shared::kStencilEvalTableBinding ? kTableFormat : kSourceFormats[variant_]);
             if (!view) return view.error();
             views[b] = *view;
             writes[b].pTexelBufferView = &views[b];
@@ -338,9 +356,13 @@ Result<Evaluator> Evaluator::create(const Device& device) {
     // Weights in push constants and unrolled entries are part of what texel buffers gain: such loads are one scalar load
     // each.
     state.prefer_texel = reads_texels(device);
+    VkFormatProperties format = {};
+    device.functions.GetPhysicalDeviceFormatProperties(device.physical_device, kSourceFormats[kTexel3], &format);
+    state.has_texel3 = (format.bufferFeatures & VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT) != 0;
     const KernelInfo infos[kVariantCount] = {{kStencilEval, kStorageBindings, sizeof(StencilEvalParams)},
                                              {kStencilEvalTexel, kTexelBindings, sizeof(StencilEvalParams)},
-                                             {kStencilEvalTexel4, kTexelBindings, sizeof(StencilEvalParams)}};
+                                             {kStencilEvalTexelPoint, kTexelBindings, sizeof(StencilEvalParams)},
+                                             {kStencilEvalTexelPoint, kTexelBindings, sizeof(StencilEvalParams)}};
     for (uint32_t variant = 0; variant < kVariantCount; ++variant) {
         auto kernel = create_kernel(device, infos[variant]);
         if (!kernel) return kernel.error();
@@ -361,7 +383,7 @@ Result<StencilEvaluation> Evaluator::prepare(const StencilEvaluationInfo& info) 
     state.device = &device;
     state.layout = state_->kernels[variant].layout;
 
-    Planner planner(info, limits, device.properties.limits);
+    Planner planner(info, variant, limits, device.properties.limits);
     const PointBuffer* const destinations[3] = {&info.destination, &info.tangent1, &info.tangent2};
     const uint64_t first_row = std::min(info.first_row, table.row_count);
     const uint64_t end_row = std::min<uint64_t>(table.row_count, first_row + info.row_count);

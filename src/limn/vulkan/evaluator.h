@@ -34,6 +34,9 @@ struct StencilEvaluationInfo {
     PointBuffer tangent2 = {};
     uint32_t first_row = 0;
     uint32_t row_count = ~uint32_t{0};  ///< clamped to the rows there are
+    /// A float that may be read follows each source point of three floats, whatever it is. Where such points begin at
+    /// multiples of 16 bytes, CPU devices then fetch each at once.
+    bool padded_source = false;
     /// The source lacks VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT. GPUs do not mind; CPU devices are half
     /// as fast.
     bool storage_only_source = false;

@@ -165,22 +165,26 @@ Result<SchemeEvaluation> SchemeEvaluator::prepare(const SchemeEvaluationInfo& in
     SchemeEvaluation out;
     SchemeEvaluation::State& state = *out.state_;
     state.device = &device;
-    auto add_points = [&](uint64_t count) -> Result<PointBuffer> {
-        auto buffer = create_buffer(device, 12 * count, kSourceUsage, MemoryUse::device);
+    auto add_points = [&](uint64_t count, uint32_t stride) -> Result<PointBuffer> {
+        auto buffer = create_buffer(device, 4 * stride * count, kSourceUsage, MemoryUse::device);
         if (!buffer) return buffer.error();
         state.points.push_back(std::move(*buffer));
-        return PointBuffer{.buffer = state.points.back().handle};
+        return PointBuffer{.buffer = state.points.back().handle, .stride = stride};
     };
+    const uint32_t stride = state_->texel ? 4 : 3;  // between tables
     PointBuffer source = info.points, tangents[2];
     for (const DeviceStencilTable& table : info.surface->tables) {
-        StencilEvaluationInfo step = {.table = &table, .source = source, .destination = info.positions};
+        StencilEvaluationInfo step = {.table = &table,
+                                      .source = source,
+                                      .destination = info.positions,
+                                      .padded_source = stride == 4 && &table != &info.surface->tables.front()};
         if (&table != &info.surface->tables.back()) {
-            auto points = add_points(table.row_count);
+            auto points = add_points(table.row_count, stride);
             if (!points) return points.error();
             step.destination = *points;
         } else if (with_normals) {
             for (PointBuffer& tangent : tangents) {
-                auto points = add_points(table.row_count);
+                auto points = add_points(table.row_count, 3);
                 if (!points) return points.error();
                 tangent = *points;
             }

@@ -40,9 +40,16 @@ Row row_of(const StencilTable& table, uint32_t r) {
     return {table.indices.data() + begin, table.weights.data() + begin, table.offsets.data()[r + 1] - begin};
 }
 
+/// How a row lists the weights of a pattern.
+struct RowOrder {
+    uint32_t entry_count = 0;
+    float weights[kStencilEvalMaxSharedWeights];
+    uint32_t positions[kStencilEvalMaxSharedWeights];  ///< of each of them in the order of the pattern
+};
+
 /// Where each entry of the row goes in the order of the pattern; false when their weights differ. Without
 /// branches within an entry: the order of weights in a row is as good as random.
-bool match(const WeightPattern& pattern, const Row& row, uint32_t* positions) {
+bool find_positions(const WeightPattern& pattern, const Row& row, uint32_t* positions) {
     uint32_t next[kStencilEvalMaxSharedWeights];
     for (uint32_t v = 0; v < pattern.value_count; ++v) next[v] = pattern.first[v];
     for (uint32_t k = 0; k < row.entry_count; ++k) {
@@ -54,6 +61,21 @@ bool match(const WeightPattern& pattern, const Row& row, uint32_t* positions) {
     }
     return true;
 }
+
+/// Whether the row has the weights of the pattern, and in which order. `order` is that of a row before, or none: nearly
+/// always this row's, too.
+bool match(const WeightPattern& pattern, const Row& row, RowOrder& order) {
+    if (row.entry_count != pattern.entry_count) return false;
+    const size_t bytes = row.entry_count * sizeof(float);
+    if (row.entry_count == order.entry_count && std::memcmp(row.weights, order.weights, bytes) == 0) return true;
+    RowOrder found;
+    if (!find_positions(pattern, row, found.positions)) return false;
+    found.entry_count = row.entry_count;
+    std::memcpy(found.weights, row.weights, bytes);
+    order = found;
+    return true;
+}
+using RowOrders = std::array<RowOrder, kMaxPatterns>;
 
 /// Weights of a row in descending order of their bits, preceded by their number.
 using SortedWeights = std::array<uint32_t, kStencilEvalMaxSharedWeights + 1>;
@@ -104,10 +126,9 @@ std::vector<WeightPattern> find_patterns(const StencilTable& table) {
     return patterns;
 }
 
-uint32_t classify(const std::vector<WeightPattern>& patterns, const Row& row) {
-    uint32_t positions[kStencilEvalMaxSharedWeights];
+uint32_t classify(const std::vector<WeightPattern>& patterns, const Row& row, RowOrders& orders) {
     for (uint32_t p = 0; p < patterns.size(); ++p)
-        if (patterns[p].entry_count == row.entry_count && match(patterns[p], row, positions)) return p;
+        if (match(patterns[p], row, orders[p])) return p;
     const uint32_t pair_count = row.entry_count / 2 + row.entry_count % 2;
     return pair_count <= kMaxPairs ? kOwnClass + pair_count : kLongClass;
 }
@@ -127,8 +148,9 @@ std::array<ClassRows, kClassCount> classify_rows(const StencilTable& table, Sten
         chunk_count,
         [&](uint32_t chunk) {
             const uint32_t end = std::min(row_count, (chunk + 1) * kChunkRows);
+            RowOrders orders;
             for (uint32_t r = chunk * kChunkRows; r < end; ++r) {
-                const uint32_t c = classify(runs.patterns, row_of(table, r));
+                const uint32_t c = classify(runs.patterns, row_of(table, r), orders);
                 runs.classes[r] = static_cast<uint8_t>(c);
                 ClassRows& rows = chunks[chunk][c];
                 ++rows.count;
@@ -272,14 +294,16 @@ void write_entries(const StencilTable& table, uint32_t r, const StencilRun& run,
                 k < count ? std::bit_cast<uint32_t>(sets.data[w][begin + k]) : 0;
 }
 
-void write_shared_entries(const WeightPattern& pattern, const Row& row, const StencilRun& run, uint64_t item,
-                          uint32_t* words) {
-    uint32_t positions[kStencilEvalMaxSharedWeights];
-    match(pattern, row, positions);
-    for (uint32_t k = 0; k < row.entry_count; ++k)
-        words[word_of(run.index_offset + item, run.item_count, positions[k])] = row.indices[k];
-    if (row.entry_count % 2 != 0)
-        words[word_of(run.index_offset + item, run.item_count, row.entry_count)] = row.indices[0];
+/// Writes rows [first, end), which have the weights of the pattern, from `item` of the run on.
+void write_shared_rows(const StencilTable& table, uint32_t first, uint32_t end, const WeightPattern& pattern,
+                       RowOrder& order, const StencilRun& run, uint64_t item, uint32_t* words) {
+    words += 2 * (run.index_offset + item);
+    for (uint32_t r = first; r < end; ++r, words += 2) {
+        const Row row = row_of(table, r);
+        match(pattern, row, order);
+        for (uint32_t k = 0; k < row.entry_count; ++k) words[word_of(0, run.item_count, order.positions[k])] = row.indices[k];
+        if (row.entry_count % 2 != 0) words[word_of(0, run.item_count, row.entry_count)] = row.indices[0];
+    }
 }
 
 void write_long_rows(const StencilTable& table, const StencilRuns& runs, StencilRun& run, uint32_t* words) {
@@ -296,7 +320,27 @@ void write_long_rows(const StencilTable& table, const StencilRuns& runs, Stencil
 
 struct SourceRange {
     uint32_t min = ~uint32_t{0}, max = 0;
+
+    void add(std::span<const uint32_t> indices) {
+        for (const uint32_t index : indices) {
+            min = std::min(min, index);
+            max = std::max(max, index);
+        }
+    }
 };
+
+/// Writes rows [first, end) of class c from `item` of the run on.
+void write_rows(const StencilTable& table, const StencilRuns& runs, RowOrders& orders, uint32_t c, uint32_t first,
+                uint32_t end, const StencilRun& run, uint32_t item, uint32_t* words) {
+    if (c < kOwnClass) {
+        write_shared_rows(table, first, end, runs.patterns[c], orders[c], run, item, words);
+    } else {
+        for (uint32_t r = first; r < end; ++r)
+            write_entries(table, r, run, item + (r - first), run.item_count, run.entry_count, words);
+    }
+    if (run.has_consecutive_rows()) return;
+    for (uint32_t r = first; r < end; ++r) words[2 * run.row_offset + item + (r - first)] = r;
+}
 
 /// Writes the rows of a chunk, long ones excepted. `ranges` has one element per run.
 void write_chunk(const StencilTable& table, const StencilRuns& runs, uint32_t chunk, uint32_t* words,
@@ -312,23 +356,18 @@ void write_chunk(const StencilTable& table, const StencilRuns& runs, uint32_t ch
             cursors[c].item -= runs.runs[cursors[c].run++].item_count;
     }
     const uint32_t end = std::min(table.row_count(), (chunk + 1) * kChunkRows);
-    for (uint32_t r = chunk * kChunkRows; r < end; ++r) {
+    RowOrders orders;
+    for (uint32_t r = chunk * kChunkRows, next = r; r < end; r = next) {
         const uint32_t c = runs.classes[r];
+        while (next < end && runs.classes[next] == c) ++next;
         if (c == kLongClass) continue;
         Cursor& cursor = cursors[c];
         const StencilRun& run = runs.runs[cursor.run];
-        const Row row = row_of(table, r);
-        if (c < kOwnClass)
-            write_shared_entries(runs.patterns[c], row, run, cursor.item, words);
-        else
-            write_entries(table, r, run, cursor.item, run.item_count, run.entry_count, words);
-        if (run.row_offset != kNoPairs) words[2 * run.row_offset + cursor.item] = r;
-        SourceRange& range = ranges[cursor.run];
-        for (uint32_t k = 0; k < row.entry_count; ++k) {
-            range.min = std::min(range.min, row.indices[k]);
-            range.max = std::max(range.max, row.indices[k]);
-        }
-        if (++cursor.item == run.item_count) cursor = {cursor.run + 1, 0};
+        next = std::min(next, r + run.item_count - cursor.item);
+        write_rows(table, runs, orders, c, r, next, run, cursor.item, words);
+        ranges[cursor.run].add({table.indices.data() + table.offsets[r], table.indices.data() + table.offsets[next]});
+        cursor.item += next - r;
+        if (cursor.item == run.item_count) cursor = {cursor.run + 1, 0};
     }
 }
 
@@ -370,7 +409,7 @@ void write_stencil_runs(const StencilTable& table, StencilRuns& runs, uint32_t* 
         }
         if (run.kind != shared::kStencilRunLong) {
             // The half of a pair that no row has: what is uploaded is then the same every time.
-            if (run.row_offset != kNoPairs && run.item_count % 2 != 0) words[2 * run.row_offset + run.item_count] = 0;
+            if (!run.has_consecutive_rows() && run.item_count % 2 != 0) words[2 * run.row_offset + run.item_count] = 0;
             continue;
         }
         write_long_rows(table, runs, run, words);

@@ -18,7 +18,7 @@ struct StencilRun {
     uint32_t entry_count = 0;  ///< of each row; own: rounded up to pairs; long: 0
     uint32_t item_count = 0;   ///< rows
     uint32_t row_begin =
-        0;  ///< its rows lie in [row_begin, row_end): all of these when row_offset is kNoPairs
+        0;  ///< its rows lie in [row_begin, row_end): all of these where they are consecutive
     uint32_t row_end = 0;
     uint32_t source_min =
         0;  ///< its indices lie in [source_min, source_max]; source_min > source_max: it has none
@@ -31,6 +31,7 @@ struct StencilRun {
     float weights[shared::kStencilEvalMaxSharedWeights] = {};
 
     uint32_t pair_count() const { return (entry_count + 1) / 2; }
+    bool has_consecutive_rows() const { return row_offset == kNoPairs; }
     bool operator==(const StencilRun&) const = default;
 };
 
