@@ -18,4 +18,5 @@ layout(binding = kGridPointsBinding) uniform textureBuffer points;
 #define TILE_WORD(i) texelFetch(tiles, int(i)).x
 #define WEIGHTS(i) texelFetch(weight_groups, int(i))
 #define POINT(i) texelFetch(points, int(i)).x
+#define POINT_TEXEL(i) texelFetch(points, int(i)).xyz
 #include "limn/grid_eval.glsl"

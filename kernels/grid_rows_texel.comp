@@ -18,17 +18,17 @@ layout(binding = kGridPointsBinding) uniform textureBuffer points;
 #define PATCH_WORD(i) texelFetch(patches, int(i)).x
 #define TILE_WORD(i) texelFetch(tiles, int(i)).x
 #define POINT(i) texelFetch(points, int(i)).x
+#define POINT_TEXEL(i) texelFetch(points, int(i)).xyz
 
 layout(local_size_x = kGridRowsWorkgroupSize) in;
 layout(constant_id = kGridNarrowConstant) const uint kNarrow = 0;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
-#include "limn/grid_store.glsl"
+#include "limn/grid_points.glsl"
 
 vec4 load_point(uint i) {
     const uint word = PATCH_WORD(params.ring_base + (kNarrow != 0 ? i / 2 : i));
-    const uint at = params.point_base + (kNarrow != 0 ? narrow_index(word, i) : word) * params.point_stride;
-    return vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0, kWidth > 3 ? POINT(at + 3) : 0);
+    return point_at(kNarrow != 0 ? narrow_index(word, i) : word);
 }
 
 // Weights of four points for value and derivative at t; kRefined: for the control point there, `step_size` from the next.

@@ -15,7 +15,7 @@ layout(constant_id = kGridCornersConstant) const uint kCorners = kGridCornersFir
 layout(constant_id = kGridSurfacesConstant) const uint kSurfaces = 4;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
-#include "limn/grid_store.glsl"
+#include "limn/grid_points.glsl"
 const uint kMaxGroups = 8;
 const uint kRing = 4 * kGroups;
 const uint kTileWords = kGridTileHeader + kGridTileSurfaceWords * kSurfaces;
@@ -33,9 +33,7 @@ void load_rings(uint tile, uint surface_count, uint ring_size, uint first) {
     [[unroll]] for (uint round = 0; round < (count - 1) / gl_WorkGroupSize.x + 1; ++round) {
         const uint i = min(round * gl_WorkGroupSize.x + gl_LocalInvocationID.x, count - 1);
         const uint t = min(i / kRing, surface_count - 1), j = min(first + i % kRing, ring_size - 1);
-        const uint at = params.point_base + ring_index(TILE_WORD(tile + kGridTileHeader + kGridTileSurfaceWords * t) + j) * params.point_stride;
-        ring[i] = vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0,
-                       kWidth > 3 ? POINT(at + 3) : 0);
+        ring[i] = point_at(ring_index(TILE_WORD(tile + kGridTileHeader + kGridTileSurfaceWords * t) + j));
     }
 }
 

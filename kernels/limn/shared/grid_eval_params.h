@@ -36,6 +36,7 @@ const uint kGridCornersConstant = 7;
 const uint kGridSurfacesConstant = 8;  // of a tile
 const uint kGridAdjacentConstant = 9;  // 1: value and normal are six floats at an even index; packed, four words at a multiple of four
 const uint kGridRefinedConstant = 10;  // 1: a refined grid: samples are numbered by slots, and control points step / rate apart
+const uint kGridPointTexelsConstant = 11;  // 1: points are texels of three floats, and point_base and point_stride count those
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
 const uint kGridCornersBoxSpline = 1;

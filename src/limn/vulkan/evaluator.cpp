@@ -50,13 +50,7 @@ struct BindingLimit {
     uint64_t element_bytes = 4;
     uint64_t max_bytes = 0;
 
-    /// The last place before byte `offset`, whole elements away, where a binding may begin; more than `offset` where
-    /// there is none.
-    uint64_t align(uint64_t offset) const {
-        uint64_t begin = offset - offset % alignment;
-        while ((offset - begin) % element_bytes != 0 && begin <= offset) begin -= alignment;
-        return begin;
-    }
+    uint64_t align(uint64_t offset) const { return align_elements(offset, alignment, element_bytes); }
     bool fits(Range range) const { return range.end - align(range.begin) <= max_bytes; }
 };
 
@@ -356,9 +350,7 @@ Result<Evaluator> Evaluator::create(const Device& device) {
     // Weights in push constants and unrolled entries are part of what texel buffers gain: such loads are one scalar load
     // each.
     state.prefer_texel = reads_texels(device);
-    VkFormatProperties format = {};
-    device.functions.GetPhysicalDeviceFormatProperties(device.physical_device, kSourceFormats[kTexel3], &format);
-    state.has_texel3 = (format.bufferFeatures & VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT) != 0;
+    state.has_texel3 = reads_point_texels(device);
     const KernelInfo infos[kVariantCount] = {{kStencilEval, kStorageBindings, sizeof(StencilEvalParams)},
                                              {kStencilEvalTexel, kTexelBindings, sizeof(StencilEvalParams)},
                                              {kStencilEvalTexelPoint, kTexelBindings, sizeof(StencilEvalParams)},

@@ -17,6 +17,14 @@ inline Result<void> check_points(const PointBuffer& points, uint32_t width) {
     return {};
 }
 
+/// The last place before byte `offset`, whole elements away, where a binding may begin that has to be aligned; more than
+/// `offset` where there is none.
+inline uint64_t align_elements(uint64_t offset, uint64_t alignment, uint64_t element_bytes) {
+    uint64_t begin = offset - offset % alignment;
+    while ((offset - begin) % element_bytes != 0 && begin <= offset) begin -= alignment;
+    return begin;
+}
+
 /// Where a component is in its buffer, in bytes.
 inline uint64_t byte_of(const PointBuffer& points, uint64_t point, uint64_t component) {
     return points.offset_bytes + 4 * (points.first + point * points.stride + component);
@@ -29,6 +37,13 @@ inline uint64_t byte_of(const PointBuffer& points, uint64_t point, uint64_t comp
 inline bool reads_texels(const Device& device) {
     return device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
            device.properties.limits.maxTexelBufferElements >= uint32_t{1} << 24;
+}
+
+/// Whether points of three floats may be texels: fetched at once, where single floats are fetched one by one.
+inline bool reads_point_texels(const Device& device) {
+    VkFormatProperties format = {};
+    device.functions.GetPhysicalDeviceFormatProperties(device.physical_device, VK_FORMAT_R32G32B32_SFLOAT, &format);
+    return reads_texels(device) && (format.bufferFeatures & VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT) != 0;
 }
 
 }  // namespace limn::vk

@@ -50,7 +50,8 @@ Result<void> check(const GridEvaluationInfo& info) {
 }
 
 constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
-                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kGroups = VK_FORMAT_R32G32B32A32_SFLOAT;
+                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kGroups = VK_FORMAT_R32G32B32A32_SFLOAT,
+                   kPoints = VK_FORMAT_R32G32B32_SFLOAT;
 
 /// A grid, and where its rings are: in a patch table, or in a buffer of their own.
 struct GridJob {
@@ -65,18 +66,25 @@ struct GridJob {
 struct Reads {
     const VkPhysicalDeviceLimits& limits;
     bool texel;
+    bool point_texels;  ///< reads_point_texels
 
     BoundBuffer bind(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format) const {
-        const uint64_t element = format == kGroups || format == kWordGroups ? 16 : 4;
+        const uint64_t element = format == kGroups || format == kWordGroups ? 16 : format == kPoints ? 12 : 4;
         const uint64_t alignment = std::max<uint64_t>(
-            element, texel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment);
-        begin -= begin % alignment;
+            format == kPoints ? 4 : element, texel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment);
+        begin = align_elements(begin, alignment, element);
         return {buffer, begin, end - begin,
                 texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
     }
     BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
         begin -= begin % std::max<uint64_t>(16, limits.minStorageBufferOffsetAlignment);
         return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
+    }
+    /// Whether points can be bound as texels, each one's components at once.
+    bool are_texels(const PointBuffer& points, uint32_t width) const {
+        const uint64_t begin = byte_of(points, 0, 0);
+        return point_texels && width == 3 && points.stride % 3 == 0 &&
+               align_elements(begin, std::max<uint64_t>(4, limits.minTexelBufferOffsetAlignment), 12) <= begin;
     }
     /// Where component 0 of a point is in a bound buffer, in floats.
     static uint32_t base(const PointBuffer& points, uint64_t point, const BoundBuffer& bound) {
@@ -149,10 +157,10 @@ struct SurfaceEvaluator::State {
     const Device* device = nullptr;
     Evaluator stencils;
     Kernel kernels[kKernelCount];
-    bool texel = false;
+    bool texel = false, point_texels = false;
 
     explicit State(Evaluator evaluator) : stencils(std::move(evaluator)) {}
-    Reads reads() const { return {device->properties.limits, texel}; }
+    Reads reads() const { return {device->properties.limits, texel, point_texels}; }
 
     Result<VkPipeline> pipeline(KernelName name, const std::vector<uint32_t>& constants) const {
         return kernels[name].pipeline(constants);
@@ -180,6 +188,7 @@ Result<SurfaceEvaluator> SurfaceEvaluator::create(const Device& device) {
     State& state = *evaluator.state_;
     state.device = &device;
     state.texel = reads_texels(device);
+    state.point_texels = reads_point_texels(device);
     const VkDescriptorType read =
         state.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     std::vector<VkDescriptorType> grid(shared::kGridBindingCount, read),
@@ -254,7 +263,7 @@ std::vector<BoundBuffer> bind_grid(const GridJob& job, const Reads& reads, uint3
             reads.bind(grid.words.handle, 0, grid.words.size_bytes, kWords),
             reads.bind(grid.weights.handle, 0, grid.weights.size_bytes, kGroups),
             reads.bind(info.points.buffer, byte_of(info.points, 0, 0), byte_of(info.points, job.point_count - 1, info.width),
-                       kFloats),
+                       reads.are_texels(info.points, info.width) ? kPoints : kFloats),
             write(info.values, are_adjacent(info) ? adjacent_words(info) : info.width),
             normals ? write(info.normals, normal_words(info)) : write(info.du, info.width),
             write(info.dv, info.width)};
@@ -284,6 +293,10 @@ GridEvalParams grid_params(const GridJob& job, std::span<const BoundBuffer> boun
     params.ring_base = job.ring_base;
     params.point_base = Reads::base(info.points, 0, bound[shared::kGridPointsBinding]);
     params.point_stride = info.points.stride;
+    if (bound[shared::kGridPointsBinding].format == kPoints) {
+        params.point_base /= 3;
+        params.point_stride /= 3;
+    }
     params.value_base = Reads::base(info.values, first, bound[shared::kGridValuesBinding]);
     params.value_stride = info.values.stride;
     if (second.buffer != VK_NULL_HANDLE) {
@@ -298,14 +311,15 @@ GridEvalParams grid_params(const GridJob& job, std::span<const BoundBuffer> boun
 }
 
 /// Specialization of grid_eval. `lanes`: invocations of a workgroup are a multiple of it.
-std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch, uint32_t output, bool adjacent,
-                                     uint32_t lanes) {
+std::vector<uint32_t> tile_constants(const GridJob& job, const GridBatch& batch, uint32_t output, uint32_t adjacent,
+                                     uint32_t texels, uint32_t lanes) {
     const GridEvaluationInfo& info = job.info;
     const uint32_t most = most_invocations(*info.grid, batch);
     const uint32_t per_chunk = (batch.sample_count - 1) / ((batch.sample_count - 1) / most + 1) + 1;
     const uint32_t invocations = info.grid->rate != 0 ? std::min(most, (per_chunk + lanes - 1) / lanes * lanes) : most;
     return {std::min(batch.group_count, 8u), output, info.width, job.narrow_rings, invocations, info.grid->value_count,
-            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, adjacent, job.refined};
+            batch.group_count > 8 ? batch.group_count / 8 : 1, batch.corners, batch.tile_surfaces, adjacent, job.refined,
+            texels};
 }
 
 }  // namespace
@@ -351,11 +365,12 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
             set = *added;
         }
         const GridEvalParams params = grid_params(job, bound, batch);
-        const bool adjacent = are_written_at_once(info, params.value_base);
+        const uint32_t adjacent = are_written_at_once(info, params.value_base);
+        const uint32_t texels = bound[shared::kGridPointsBinding].format == kPoints;
         const bool rows = batch.by_rows;
         auto made = pipeline(rows ? kGridRows : kGrid,
-                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, adjacent, job.refined}
-                                  : tile_constants(job, batch, output, adjacent, texel ? 8 : 32));
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, adjacent, job.refined, texels}
+                                  : tile_constants(job, batch, output, adjacent, texels, texel ? 8 : 32));
         if (!made) return made.error();
         recording.add_dispatch(*made, set, group_count_of(batch, params.chunk_count), params);
     }

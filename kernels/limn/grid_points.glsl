@@ -1,4 +1,5 @@
-// What the grid kernels write of a sample. Before it: TILE_WORD(i), params.
+// What the grid kernels read of a point and write of a sample. Before it: TILE_WORD(i), params; POINT(i), a float, and, where
+// points can be read so, POINT_TEXEL(i), a vec3.
 #include "limn/shared/octahedral.h"
 
 layout(constant_id = kGridOutputConstant) const uint kOutput = kGridOutputNormal;
@@ -7,12 +8,22 @@ layout(constant_id = kGridAdjacentConstant) const uint kAdjacent = 0;
 layout(constant_id = kGridRefinedConstant) const uint kRefined = 0;
 const bool kNormals = kOutput == kGridOutputNormal || kOutput == kGridOutputPackedNormal;
 
+layout(constant_id = kGridPointTexelsConstant) const uint kPointTexels = 0;
+
 layout(std430, binding = kGridValuesBinding) writeonly buffer Values { float values[]; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer ValuePairs { vec2 value_pairs[]; };
 layout(std430, binding = kGridValuesBinding) writeonly buffer ValueGroups { uvec4 value_groups[]; };
 layout(std430, binding = kGridSecondBinding) writeonly buffer Second { float second[]; };
 layout(std430, binding = kGridSecondBinding) writeonly buffer SecondWords { uint second_words[]; };
 layout(std430, binding = kGridThirdBinding) writeonly buffer Third { float third[]; };
+
+vec4 point_at(uint index) {
+    const uint at = params.point_base + index * params.point_stride;
+#ifdef POINT_TEXEL
+    if (kPointTexels != 0) return vec4(POINT_TEXEL(at), 0);
+#endif
+    return vec4(POINT(at), kWidth > 1 ? POINT(at + 1) : 0, kWidth > 2 ? POINT(at + 2) : 0, kWidth > 3 ? POINT(at + 3) : 0);
+}
 
 // Which sample of the pass a word of a placement is; kGridNoSample: none. `face`: the second word of a surface.
 uint sample_of(uint face, uint word) {
