@@ -42,7 +42,7 @@ void add_edge_point(const Topology& p, uint32_t e, double smooth, Row& row) {
         RowEntry* to = extend(row, 2 + 2 * at.size());
         for (const uint32_t v : {a, b}) *to++ = {v, crease + smooth * 0.375};
         for (const uint32_t c : at)
-            for (const uint32_t turn : {2, 3}) *to++ = {quad_vertex(p, c, turn), smooth / 16};
+            for (const uint32_t turn : {2u, 3u}) *to++ = {quad_vertex(p, c, turn), smooth / 16};
     } else {
         const uint32_t f0 = p.face_of_corner(at[0]), f1 = p.face_of_corner(at[1]);
         const double face = edge_face_weight(p.options.triangles, p.size_of_face(f0), p.size_of_face(f1));
