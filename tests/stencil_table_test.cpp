@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "limn/row_table.h"
 #include "shapes/random_mesh.h"
 #include "shapes/shapes.h"
 
@@ -507,6 +508,34 @@ TEST(StencilTable, comparisons_notice_one_wrong_weight) {
     StencilTableDouble other = *table;
     other.weights[3] = std::nextafter(other.weights[3], 2.0);
     EXPECT_FALSE(identical(*table, other));
+}
+
+// Tables of many rows are made some thousand rows at a time. Here none is like the one before, the first half is nearly
+// empty, so that less is known than usual of how many entries there will be, and indices repeat.
+TEST(RowTable, HasTheRowsThatItIsMadeOf) {
+    const uint32_t row_count = 300'000;
+    const auto size_of = [&](uint32_t r) { return r < row_count / 2 ? (r % 1000 == 0 ? 70 : 0) : 1 + r % 11; };
+    const auto table = build_table_of_rows<double>(row_count, row_count, {}, [&](uint32_t r, Row& row) {
+        for (uint32_t k = 0; k < size_of(r); ++k) row.push_back({(r + k) % row_count, 1.0 + r});
+        if (!row.empty()) row.push_back({r, 1});
+    });
+    ASSERT_TRUE(table);
+    ASSERT_EQ(table->row_count(), row_count);
+    uint32_t at = 0, wrong = 0;
+    for (uint32_t r = 0; r < row_count; ++r) {
+        wrong += table->offsets[r] != at;
+        std::vector<std::pair<uint32_t, double>> row, expected;
+        for (uint32_t k = table->offsets[r]; k < table->offsets[r + 1]; ++k)
+            row.emplace_back(table->indices[k], table->weights[k]);
+        for (uint32_t k = 0; k < size_of(r); ++k) expected.emplace_back((r + k) % row_count, k == 0 ? 2.0 + r : 1.0 + r);
+        if (expected.size() > 64) std::sort(expected.begin(), expected.end());  // as merging does with long rows
+        wrong += row != expected;
+        at += size_of(r);
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_EQ(table->offsets[row_count], at);
+    EXPECT_EQ(table->indices.size(), at);
+    EXPECT_EQ(table->weights.size(), at);
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ inline void merge_repeated(Row& row) {
         while (k < out && row[k].index != entry.index) ++k;
         if (k < out)
             row[k].weight += entry.weight;
-        else
-            row[out++] = entry;
+        else if (&row[out++] != &entry)
+            row[out - 1] = entry;
     }
     row.resize(out);
 }
@@ -51,91 +51,108 @@ template <class Real>
 struct RowBlock {
     Array<uint32_t> indices;
     Array<Real> weights;
+    uint64_t first_entry = 0;  ///< where they go
 
-    /// Rows [begin, end); `offsets` receives where each begins within the block.
-    template <class RowOf>
-    void fill(uint32_t begin, uint32_t end, const RowOf& row_of, uint32_t* offsets) {
-        indices.resize(0);  // keeps its memory
+    void clear() {  // keeps its memory
+        indices.resize(0);
         weights.resize(0);
-        Row row;
-        for (uint32_t r = begin; r != end; ++r) {
-            row.clear();
-            row_of(r, row);
-            merge_repeated(row);
-            append(row, *offsets++);
-        }
     }
-    void append(const Row& row, uint32_t& offset) {
+    /// Returns where the row begins within the block.
+    uint32_t append(const Row& row) {
         const size_t at = indices.size();
-        offset = static_cast<uint32_t>(at);
         indices.resize(at + row.size());
         weights.resize(at + row.size());
         for (size_t k = 0; k < row.size(); ++k) {
             indices[at + k] = row[k].index;
             weights[at + k] = static_cast<Real>(row[k].weight);
         }
-    }
-    /// Copies all to where the table has entry `at` on; `offsets` are those of its rows.
-    void move_to(BasicStencilTable<Real>& table, uint64_t at, std::span<uint32_t> offsets) const {
-        std::copy(indices.begin(), indices.end(), table.indices.begin() + at);
-        std::copy(weights.begin(), weights.end(), table.weights.begin() + at);
-        for (uint32_t& offset : offsets) offset += static_cast<uint32_t>(at);
+        return static_cast<uint32_t>(at);
     }
 };
 
-/// How many entries to make room for: by some of the rows. Their number may be wrong, so not for very many.
+/// Some thousand rows at a time, which stay in cache until they go to the end of a table.
+template <class Real>
+class RowWindow {
+  public:
+    static constexpr uint32_t kBlock = 512, kRows = 128 * kBlock;
+
+    /// Makes rows [first, first + count), count <= kRows; the table receives where each begins within its block.
+    template <class RowOf>
+    void fill(BasicStencilTable<Real>& table, uint32_t first, uint32_t count, const BuildPart& part,
+              const RowOf& row_of) {
+        blocks_.resize(std::max<size_t>(blocks_.size(), (count - 1) / kBlock + 1));
+        for_each_block(count, part, kBlock, [&](uint32_t begin, uint32_t end) {
+            RowBlock<Real>& block = blocks_[begin / kBlock];
+            block.clear();
+            Row row;
+            for (uint32_t r = first + begin; r != first + end; ++r) {
+                row.clear();
+                row_of(r, row);
+                merge_repeated(row);
+                table.offsets[r] = block.append(row);
+            }
+        });
+    }
+    /// Appends them to the table. Errors: too_large.
+    Result<void> move_to(BasicStencilTable<Real>& table, uint32_t first, uint32_t count, const BuildPart& part) {
+        uint64_t entries = table.indices.size();
+        for (uint32_t b = 0; b * kBlock < count; ++b) {
+            blocks_[b].first_entry = entries;
+            entries += blocks_[b].indices.size();
+        }
+        if (entries > kMaxTableEntries) return too_many_entries(entries);
+        table.indices.resize(entries);
+        table.weights.resize(entries);
+        for_each_block(count, part, kBlock, [&](uint32_t begin, uint32_t end) {
+            const RowBlock<Real>& block = blocks_[begin / kBlock];
+            std::copy(block.indices.begin(), block.indices.end(), table.indices.begin() + block.first_entry);
+            std::copy(block.weights.begin(), block.weights.end(), table.weights.begin() + block.first_entry);
+            for (uint32_t r = first + begin; r != first + end; ++r)
+                table.offsets[r] += static_cast<uint32_t>(block.first_entry);
+        });
+        return {};
+    }
+
+  private:
+    std::vector<RowBlock<Real>> blocks_;
+};
+
+/// How many entries to make room for, by a sample of the rows; never very many, as that may be wrong.
 template <class RowOf>
 uint64_t estimate_entries(uint32_t row_count, const RowOf& row_of) {
     constexpr uint32_t kSample = 1024;
     constexpr uint64_t kMost = uint64_t{1} << 26;
-    const uint32_t count = std::min(row_count, kSample);
     uint64_t entries = 0;
     Row row;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < kSample; ++i) {
         row.clear();
-        row_of(static_cast<uint32_t>(uint64_t{i} * row_count / count), row);
+        row_of(static_cast<uint32_t>(uint64_t{i} * row_count / kSample), row);
         entries += row.size();
     }
     return std::min(kMost, entries * row_count / kSample * 17 / 16);
 }
 
 /// A table of `row_count` rows over source_count points; row_of(r, row) appends row r, the same each time.
-/// Some thousand rows at a time are made, which stay in cache until it is known where they go.
 /// Errors: too_large past 2^32 - 1 entries, cancelled.
 template <class Real, class RowOf>
 Result<BasicStencilTable<Real>> build_table_of_rows(uint32_t source_count, uint32_t row_count, const BuildPart& part,
                                                     const RowOf& row_of) {
-    constexpr uint32_t kBlock = 512, kWindow = 128 * kBlock;
     BasicStencilTable<Real> table;
     table.source_count = source_count;
     table.offsets.allocate(size_t{row_count} + 1);
-    std::vector<RowBlock<Real>> blocks(std::min(row_count, kWindow) / kBlock + 1);
-    std::vector<uint64_t> firsts(blocks.size());
-    if (row_count > kWindow) {
+    RowWindow<Real> window;
+    if (row_count > window.kRows) {
         const uint64_t room = estimate_entries(row_count, row_of);
         table.indices.reserve(room);
         table.weights.reserve(room);
     }
+    const auto share = [&](uint32_t row) { return static_cast<float>(row) / static_cast<float>(row_count); };
     for (uint32_t first = 0, count; first < row_count; first += count) {
-        count = std::min(kWindow, row_count - first);
-        uint32_t* offsets = table.offsets.data() + first;
-        const auto share = [&](uint32_t row) { return static_cast<float>(row) / static_cast<float>(row_count); };
-        for_each_block(count, part.part(share(first), share(first + count)), kBlock, [&](uint32_t begin, uint32_t end) {
-            blocks[begin / kBlock].fill(first + begin, first + end, row_of, offsets + begin);
-        });
+        count = std::min(window.kRows, row_count - first);
+        const BuildPart to_there = part.part(share(first), share(first + count));
+        window.fill(table, first, count, to_there, row_of);
         if (auto ok = part.check(); !ok) return ok.error();
-        uint64_t entries = table.indices.size();
-        for (uint32_t b = 0; b * kBlock < count; ++b) {
-            firsts[b] = entries;
-            entries += blocks[b].indices.size();
-        }
-        if (entries > kMaxTableEntries) return too_many_entries(entries);
-        table.indices.resize(entries);
-        table.weights.resize(entries);
-        const BuildPart still = part.part(share(first + count), share(first + count));
-        for_each_block(count, still, kBlock, [&](uint32_t begin, uint32_t end) {
-            blocks[begin / kBlock].move_to(table, firsts[begin / kBlock], {offsets + begin, end - begin});
-        });
+        if (auto ok = window.move_to(table, first, count, to_there.part(1, 1)); !ok) return ok.error();
     }
     table.offsets.back() = static_cast<uint32_t>(table.indices.size());
     if (auto ok = part.reach(1); !ok) return ok.error();

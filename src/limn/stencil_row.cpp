@@ -18,22 +18,31 @@ uint32_t quad_vertex(const Topology& p, uint32_t corner, uint32_t turn) {
     return p.face_vertices[(corner & ~3u) | ((corner + turn) & 3u)];
 }
 
+uint32_t triangle_vertex(const Topology& p, uint32_t corner, uint32_t turn) {
+    const uint32_t at = corner % 3;
+    return p.face_vertices[corner - at + (at + turn) % 3];
+}
+
+/// Appends so many entries.
+RowEntry* extend(Row& row, size_t count) {
+    row.resize(row.size() + count);
+    return row.data() + row.size() - count;
+}
+
 /// The smooth edge point, faces by faces; its ends also take `crease` / 2 each.
 void add_edge_point(const Topology& p, uint32_t e, double smooth, Row& row) {
     const uint32_t a = p.edge_vertices[2 * e], b = p.edge_vertices[2 * e + 1];
     const auto at = p.corners_of_edge(e);
     const double crease = (1 - smooth) / 2;
     if (p.options.scheme == Scheme::loop) {
-        add(row, a, crease + smooth * 0.375);
-        add(row, b, crease + smooth * 0.375);
-        for (const uint32_t c : at) add(row, p.face_vertices[p.previous_corner(c)], smooth * 0.125);
+        RowEntry* to = extend(row, 2 + at.size());
+        for (const uint32_t v : {a, b}) *to++ = {v, crease + smooth * 0.375};
+        for (const uint32_t c : at) *to++ = {triangle_vertex(p, c, 2), smooth * 0.125};
     } else if (p.face_size == 4) {
-        add(row, a, crease + smooth * 0.375);
-        add(row, b, crease + smooth * 0.375);
-        for (const uint32_t c : at) {
-            add(row, quad_vertex(p, c, 2), smooth / 16);
-            add(row, quad_vertex(p, c, 3), smooth / 16);
-        }
+        RowEntry* to = extend(row, 2 + 2 * at.size());
+        for (const uint32_t v : {a, b}) *to++ = {v, crease + smooth * 0.375};
+        for (const uint32_t c : at)
+            for (const uint32_t turn : {2u, 3u}) *to++ = {quad_vertex(p, c, turn), smooth / 16};
     } else {
         const uint32_t f0 = p.face_of_corner(at[0]), f1 = p.face_of_corner(at[1]);
         const double face = edge_face_weight(p.options.triangles, p.size_of_face(f0), p.size_of_face(f1));
@@ -57,13 +66,15 @@ void add_smooth_vertex(const Topology& p, uint32_t v, double share, Row& row) {
     const auto valence = static_cast<uint32_t>(corners.size());
     const VertexMask mask = smooth_vertex_mask(p.options.scheme, valence);
     if (p.options.scheme == Scheme::loop) {
-        add(row, v, share * mask.vertex);
-        for (const uint32_t c : corners) add(row, p.face_vertices[p.next_corner(c)], share * mask.edge);
+        RowEntry* to = extend(row, 1 + corners.size());
+        *to++ = {v, share * mask.vertex};
+        for (const uint32_t c : corners) *to++ = {triangle_vertex(p, c, 1), share * mask.edge};
     } else if (p.face_size == 4) {
-        add(row, v, share * (mask.vertex + valence * mask.face / 4));
+        RowEntry* to = extend(row, 1 + 2 * corners.size());
+        *to++ = {v, share * (mask.vertex + valence * mask.face / 4)};
         for (const uint32_t c : corners) {
-            add(row, quad_vertex(p, c, 1), share * (mask.edge + mask.face / 2));
-            add(row, quad_vertex(p, c, 2), share * mask.face / 4);
+            *to++ = {quad_vertex(p, c, 1), share * (mask.edge + mask.face / 2)};
+            *to++ = {quad_vertex(p, c, 2), share * mask.face / 4};
         }
     } else {
         add(row, v, share * mask.vertex);

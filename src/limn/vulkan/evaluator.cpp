@@ -22,14 +22,14 @@ constexpr VkDescriptorType kStorageBindings[kBindingCount] = {
 constexpr VkDescriptorType kTexelBindings[kBindingCount] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-/// How a kernel reads table and source: storage buffers, texel buffers, or texel buffers whose texels are points of three
-/// or four floats.
+/// How a kernel reads table and source: storage buffers, texel buffers, or texel buffers whose texels are points of
+/// three or four floats.
 enum Variant : uint32_t { kStorage, kTexel, kTexel3, kTexel4, kVariantCount };
 
 /// Texel formats of table and source.
 constexpr VkFormat kTableFormat = VK_FORMAT_R32G32_UINT;
-constexpr VkFormat kSourceFormats[kVariantCount] = {VK_FORMAT_UNDEFINED, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32B32_SFLOAT,
-                                                    VK_FORMAT_R32G32B32A32_SFLOAT};
+constexpr VkFormat kSourceFormats[kVariantCount] = {VK_FORMAT_UNDEFINED, VK_FORMAT_R32_SFLOAT,
+                                                    VK_FORMAT_R32G32B32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
 /// Floats of what a kernel reads of the source at once.
 constexpr uint32_t kSourceFloats[kVariantCount] = {1, 1, 3, 4};
 
@@ -244,8 +244,10 @@ class Planner {
         params.pitch = run.item_count;
         params.pair_count = run.pair_count();
         std::copy(std::begin(run.weights), std::end(run.weights), params.weights);
-        const uint64_t source_bytes = byte_of(info_.source, 0, planned.component) - set.ranges[1].begin;
-        params.source_base = static_cast<uint32_t>(source_bytes / 4 / source_floats_);
+        // Negative where only later points are bound.
+        const auto source_bytes =
+            static_cast<int64_t>(byte_of(info_.source, 0, planned.component) - set.ranges[1].begin);
+        params.source_base = static_cast<uint32_t>(source_bytes / (int64_t{4} * source_floats_));
         params.source_stride = info_.source.stride / source_floats_;
         params.destination_base = static_cast<uint32_t>(
             (byte_of(*planned.destination, 0, planned.component) - set.ranges[2].begin) / 4);

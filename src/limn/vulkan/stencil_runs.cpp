@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "limn/parallel.h"
@@ -294,15 +295,38 @@ void write_entries(const StencilTable& table, uint32_t r, const StencilRun& run,
                 k < count ? std::bit_cast<uint32_t>(sets.data[w][begin + k]) : 0;
 }
 
+/// Whether rows [first, end), of one size, list the same weights in the same order.
+bool list_alike(const StencilTable& table, uint32_t first, uint32_t end) {
+    const Row row = row_of(table, first);
+    const size_t others = size_t{end - first - 1} * row.entry_count;
+    return std::memcmp(row.weights, row.weights + row.entry_count, others * sizeof(float)) == 0;
+}
+
+/// How many rows from `first` on do so, at least: few enough to stay in cache.
+uint32_t count_alike(const StencilTable& table, uint32_t first, uint32_t end) {
+    constexpr uint32_t kMost = 256;
+    uint32_t count = std::min(kMost, end - first);
+    if (count > 1 && !list_alike(table, first, first + 2)) return 1;
+    while (!list_alike(table, first, first + count)) count /= 2;
+    return count;
+}
+
 /// Writes rows [first, end), which have the weights of the pattern, from `item` of the run on.
 void write_shared_rows(const StencilTable& table, uint32_t first, uint32_t end, const WeightPattern& pattern,
                        RowOrder& order, const StencilRun& run, uint64_t item, uint32_t* words) {
     words += 2 * (run.index_offset + item);
-    for (uint32_t r = first; r < end; ++r, words += 2) {
-        const Row row = row_of(table, r);
+    while (first < end) {
+        const uint32_t count = count_alike(table, first, end);
+        const Row row = row_of(table, first);
         match(pattern, row, order);
-        for (uint32_t k = 0; k < row.entry_count; ++k) words[word_of(0, run.item_count, order.positions[k])] = row.indices[k];
-        if (row.entry_count % 2 != 0) words[word_of(0, run.item_count, row.entry_count)] = row.indices[0];
+        const auto write = [&](uint32_t k, uint32_t position) {
+            uint32_t* to = words + word_of(0, run.item_count, position);
+            for (uint32_t i = 0; i < count; ++i) to[size_t{2} * i] = row.indices[size_t{i} * row.entry_count + k];
+        };
+        for (uint32_t k = 0; k < row.entry_count; ++k) write(k, order.positions[k]);
+        if (row.entry_count % 2 != 0) write(0, row.entry_count);
+        words += size_t{2} * count;
+        first += count;
     }
 }
 
