@@ -287,11 +287,11 @@ set(vulkan_files
     src/limn/vulkan/evaluator.cpp
     src/limn/vulkan/recording.h
     src/limn/vulkan/recording.cpp
-    src/limn/vulkan/scheme_evaluator.h
-    src/limn/vulkan/scheme_evaluator.cpp
     src/limn/vulkan/surface_tables.h
     src/limn/vulkan/table_upload.h
     src/limn/vulkan/surface_tables.cpp
+    src/limn/vulkan/scheme_evaluator.h
+    src/limn/vulkan/scheme_evaluator.cpp
     src/limn/vulkan/skinning.h
     src/limn/vulkan/skinning.cpp
     src/limn/vulkan/surface_evaluator.h
