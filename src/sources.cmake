@@ -225,6 +225,12 @@ set(limn_files
     src/limn/c/limn_tables.cpp
     src/limn/c/limn_tessellation.cpp
     src/limn/c/limn_baked_file.cpp
+    src/limn/c/limn_changes.h
+    src/limn/c/change_interop.h
+    src/limn/c/limn_changes.cpp
+    src/limn/c/limn_schemes.h
+    src/limn/c/scheme_interop.h
+    src/limn/c/limn_schemes.cpp
 )
 set(kernels
     skin
@@ -320,6 +326,10 @@ set(vulkan_files
     src/limn/c/limn_vulkan_evaluation.cpp
     src/limn/c/limn_vulkan_tessellation.cpp
     src/limn/c/limn_vulkan_hardware.cpp
+    src/limn/c/limn_vulkan_changes.h
+    src/limn/c/limn_vulkan_changes.cpp
+    src/limn/c/limn_vulkan_schemes.h
+    src/limn/c/limn_vulkan_schemes.cpp
 )
 set(osd_kernels
     osd_patch_eval
@@ -382,6 +392,8 @@ set(private_headers
     src/limn/schemes/sparse_rows.h
     src/limn/c/interop.h
     src/limn/c/vulkan_interop.h
+    src/limn/c/change_interop.h
+    src/limn/c/scheme_interop.h
     src/limn/baked_format.h
     src/limn/hash.h
     src/limn/baked_check.h
