@@ -35,6 +35,8 @@ set(test_files
     tests/tessellate_test.cpp
     tests/obj_test.cpp
     tests/c/c_parity_test.cpp
+    tests/c/c_changes_test.cpp
+    tests/c/c_schemes_test.cpp
     tests/c/c_pins.cpp
     tests/baked_file_test.cpp
 )
