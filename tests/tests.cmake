@@ -183,7 +183,8 @@ if(LIMN_BUILD_VULKAN)
     limn_add_c_test(limn_c_vulkan_test vulkan tests/c/c_vulkan_test.c)
     target_link_libraries(limn_c_vulkan_test PRIVATE limn_vulkan Vulkan::Vulkan)
     limn_add_test(limn_c_parity_test vulkan
-        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_pins.cpp)
+        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_changes_test.cpp
+        tests/c/c_vulkan_pins.cpp)
     target_link_libraries(limn_c_parity_test PRIVATE limn_vulkan Vulkan::Vulkan)
 
     if(LIMN_SANITIZE)  # drivers leak

@@ -15,17 +15,18 @@ namespace limn::test {
 struct Objects {
     std::vector<std::pair<void*, void (*)(void*)>> all;
 
-    template <auto destroy, class Object, class Create, class... Args>
-    Object* add(Create create, Args... args) {
+    template <auto destroy, class Object, class... Parameters, class... Args>
+    Object* add(limn_result (*create)(Parameters...) noexcept, Args... args) {
         Object* object = nullptr;
         limn_error error = {};
-        EXPECT_EQ(create(args..., &object, &error), LIMN_SUCCESS) << error.message;
+        EXPECT_EQ(std::apply(create, std::tuple<Parameters...>(args..., &object, &error)), LIMN_SUCCESS) << error.message;
         all.push_back({object, [](void* o) { destroy(static_cast<Object*>(o)); }});
         return object;
     }
-    ~Objects() {
+    void clear() {
         for (; !all.empty(); all.pop_back()) all.back().second(all.back().first);
     }
+    ~Objects() { clear(); }
 };
 #define LIMN_NEW(objects, type, create, ...) (objects).add<type##_destroy, type>(create __VA_OPT__(, ) __VA_ARGS__)
 
