@@ -35,8 +35,8 @@ void bench_patches(const Session& session, const BenchModel& model, uint32_t cou
     const OsdSamples osd = bench.find_osd();
     for (const OsdFrame how : kFrames)
         bench.run(value_or_fail(session.options,
-                                make_limn_osd_patch_candidate(session.machines.device(), osd.places, model.positions, how,
-                                                              session.machines.copy.device)),
+                                make_limn_osd_patch_candidate(session.machines.device(), osd.places, model.positions,
+                                                              how, session.machines.copy.device)),
                   osd);
     bench.run_osd(osd);
 }

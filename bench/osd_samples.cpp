@@ -20,8 +20,8 @@ double osd_difference(const BenchModel& model, uint32_t isolation_level, std::sp
                       const std::vector<double>& values) {
     ControlMesh mesh = model.mesh;
     mesh.options.opensubdiv_compatible = true;
-    const auto table = build_patch_table<double>(
-        mesh, {.end_cap = EndCap::gregory_opensubdiv, .isolation_level = isolation_level});
+    const auto table =
+        build_patch_table<double>(mesh, {.end_cap = EndCap::gregory_opensubdiv, .isolation_level = isolation_level});
     if (!table) return INFINITY;
     const auto same = evaluate_samples(*table, samples, model.positions, Derivatives::first);
     if (same.size() != values.size()) return INFINITY;
@@ -55,15 +55,17 @@ OsdSamples find_osd_samples(const Options& options, const BenchModel& model, uin
                             std::span<const PatchSample> samples) {
     const auto places = find_osd_places(model.mesh, isolation_level, samples);
     if (places == nullptr)
-        fail(options, {ErrorCode::unsupported, model.name + ": OpenSubdiv refuses this mesh, or has no patch at some place"});
+        fail(options,
+             {ErrorCode::unsupported, model.name + ": OpenSubdiv refuses this mesh, or has no patch at some place"});
     OsdSamples found{places, evaluate_osd_places(*places, model.positions)};
     if (!has_equal_patches(model.mesh)) return found;
     const double difference = osd_difference(model, isolation_level, samples, found.values);
     if (!(difference <= 1))
-        fail(options, {ErrorCode::unsupported,
-                       model.name + format(": OpenSubdiv's patches of level %u are %.3g times as far from limn's with the "
-                                           "same end caps as rounding allows",
-                                           isolation_level, difference)});
+        fail(options,
+             {ErrorCode::unsupported,
+              model.name + format(": OpenSubdiv's patches of level %u are %.3g times as far from limn's with the "
+                                  "same end caps as rounding allows",
+                                  isolation_level, difference)});
     return found;
 }
 

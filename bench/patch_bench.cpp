@@ -70,8 +70,7 @@ PatchBench::Difference PatchBench::compare(const PatchValues& values, const std:
     std::vector<double> degrees;
     for (size_t s = 0; s < count; ++s) {
         for (size_t axis = 0; axis < 3; ++axis) {
-            const double d =
-                std::abs(static_cast<double>(values.positions[3 * s + axis]) - right[9 * s + axis]) / size;
+            const double d = std::abs(static_cast<double>(values.positions[3 * s + axis]) - right[9 * s + axis]) / size;
             difference.position = std::isfinite(d) ? std::max(difference.position, d) : INFINITY;
         }
         if (!has_tangents) continue;
@@ -146,8 +145,7 @@ void PatchBench::run_osd(const OsdSamples& osd, bool gl) {
     const auto& positions = model_.positions;
     for (const uint32_t width : {3u, 4u}) {
         run(make_osd_patch_candidate(OsdEvaluator::cpu, task_, places, positions, width, machines.copy.host), osd);
-        run(make_osd_patch_candidate(OsdEvaluator::omp, task_, places, positions, width,
-                                     machines.copy.host_all_cores),
+        run(make_osd_patch_candidate(OsdEvaluator::omp, task_, places, positions, width, machines.copy.host_all_cores),
             osd);
         if (!gl) continue;
         const Result<PatchCandidate> candidate =

@@ -105,8 +105,8 @@ TEST_F(BenchProgram, writes_a_page_that_needs_no_network) {
     EXPECT_EQ(same.output.find("beyond noise"), std::string::npos) << same.output;
 }
 
-// Darts, an n-gon, channels, creases that outlast OpenSubdiv's isolation level: its surface is far from the limit there, and
-// still what it should be.
+// Darts, an n-gon, channels, creases that outlast OpenSubdiv's isolation level: its surface is far from the limit
+// there, and still what it should be.
 TEST_F(BenchProgram, runs_a_model_that_has_everything) {
     const Outcome outcome =
         run("bench " LIMN_DEMO_MODEL " --quick --only patch_table,patch_eval,osd_interop,edit --json out.json");

@@ -36,26 +36,28 @@ struct Grid {
 };
 
 /// The same triangles, at the same places.
-void expect_same_surface(const PatchTable& patches, const TessellationTable& topology, const limn_patch_table* patches_in_c,
-                         const limn_tessellation_table* topology_in_c) {
+void expect_same_surface(const PatchTable& patches, const TessellationTable& topology,
+                         const limn_patch_table* patches_in_c, const limn_tessellation_table* topology_in_c) {
     auto info = sized<limn_patch_table_info>();
     ASSERT_EQ(limn_patch_table_get_info(patches_in_c, &info, nullptr), LIMN_SUCCESS);
     EXPECT_EQ(info.bytes, patches.bytes());
     EXPECT_EQ(info.ptex_face_count, patches.ptex_surfaces.size());
     ASSERT_EQ(info.point_count, patches.point_count());
-    std::vector<double> control(size_t{3} * patches.control_count), points(size_t{3} * patches.point_count()), in_c(points);
+    std::vector<double> control(size_t{3} * patches.control_count), points(size_t{3} * patches.point_count()),
+        in_c(points);
     for (size_t i = 0; i < control.size(); ++i) control[i] = static_cast<double>(i * i % 29) / 7;
     build_patch_points(patches, control, 3, points);
     ASSERT_EQ(limn_patch_table_build_points(patches_in_c, control.data(), control.size(), 3, in_c.data(), in_c.size(),
-                                            nullptr), LIMN_SUCCESS);
+                                            nullptr),
+              LIMN_SUCCESS);
     EXPECT_EQ(points, in_c);
     const auto rates = compute_rates(patches, topology, {.value = 4}, points);
     const auto expected = tessellate(topology, *rates, {});
     auto options = sized<limn_tessellation_options>();
     options.value = 4;
     Objects objects;
-    auto* made = LIMN_NEW(objects, limn_tessellation, limn_tessellation_create, patches_in_c, topology_in_c, in_c.data(),
-                          in_c.size(), &options);
+    auto* made = LIMN_NEW(objects, limn_tessellation, limn_tessellation_create, patches_in_c, topology_in_c,
+                          in_c.data(), in_c.size(), &options);
     auto counts = sized<limn_tessellation_info>();
     ASSERT_EQ(limn_tessellation_get_info(made, &counts, nullptr), LIMN_SUCCESS);
     ASSERT_EQ(3 * counts.triangle_count, expected->indices.size());
@@ -93,7 +95,10 @@ constexpr uint32_t kCrease[] = {12, 13, 13, 14}, kCorner[] = {25}, kHoles[] = {3
 constexpr float kSharpness[] = {2.5f, 10}, kCornerSharpness[] = {3};
 constexpr uint32_t kInsetFaces[] = {36, 37, 38, 39, 16, 17, 37, 36, 17, 23, 38, 37, 23, 22, 39, 38, 22, 16, 36, 39};
 const MeshEdit kEdits[] = {
-    {.crease_vertices = kCrease, .crease_sharpness = kSharpness, .corner_vertices = kCorner, .corner_sharpness = kCornerSharpness},
+    {.crease_vertices = kCrease,
+     .crease_sharpness = kSharpness,
+     .corner_vertices = kCorner,
+     .corner_sharpness = kCornerSharpness},
     {.holes = kHoles},
     {.faces = kInset, .face_sizes = kInsetSizes, .face_vertices = kInsetFaces, .new_vertex_count = 4},
     {.faces = kRemoved, .face_sizes = kNoSize, .filled_holes = kHoles},
@@ -105,7 +110,8 @@ TEST(CInterfaceEdits, give_the_bits_of_the_cpp_interface) {
     auto* cache = LIMN_NEW(objects, limn_plan_cache, limn_plan_cache_create);
     auto options = sized<limn_editable_mesh_options>();
     options.flags = LIMN_EDITABLE_MESH_JOIN_CREASES;
-    auto* in_c = LIMN_NEW(objects, limn_editable_mesh, limn_editable_mesh_create, grid.mesh_in_c(objects), &options, cache);
+    auto* in_c =
+        LIMN_NEW(objects, limn_editable_mesh, limn_editable_mesh_create, grid.mesh_in_c(objects), &options, cache);
     const PlanCache plans;
     EditableMesh edited = *EditableMesh::create(grid.mesh(), {.split_creases = false}, &plans);
     const limn_patch_table* patches = limn_editable_mesh_get_patches(in_c);
@@ -123,9 +129,10 @@ TEST(CInterfaceEdits, give_the_bits_of_the_cpp_interface) {
         EXPECT_EQ(work.face_count, expected.face_count);
         EXPECT_EQ(work.tessellation != 0, expected.tessellation);
         EXPECT_EQ(limn_editable_mesh_get_patches(in_c), patches) << "tables stay where they are";
-        expect_same_surface(edited.patches(), edited.tessellation(), patches, limn_editable_mesh_get_tessellation(in_c));
-        auto* fresh = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create, limn_editable_mesh_get_mesh(in_c), nullptr,
-                               nullptr);
+        expect_same_surface(edited.patches(), edited.tessellation(), patches,
+                            limn_editable_mesh_get_tessellation(in_c));
+        auto* fresh = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create, limn_editable_mesh_get_mesh(in_c),
+                               nullptr, nullptr);
         expect_same_surface(edited.patches(), edited.tessellation(), fresh, limn_editable_mesh_get_tessellation(in_c));
     }
     expect_same_surface(patches_before, tessellation_before, before, topology_before);
@@ -134,7 +141,8 @@ TEST(CInterfaceEdits, give_the_bits_of_the_cpp_interface) {
 TEST(CInterfaceEdits, change_nothing_where_they_are_refused) {
     const Grid grid(5);
     Objects objects;
-    auto* in_c = LIMN_NEW(objects, limn_editable_mesh, limn_editable_mesh_create, grid.mesh_in_c(objects), nullptr, nullptr);
+    auto* in_c =
+        LIMN_NEW(objects, limn_editable_mesh, limn_editable_mesh_create, grid.mesh_in_c(objects), nullptr, nullptr);
     const EditableMesh same = *EditableMesh::create(grid.mesh(), {});
     limn_error error = {};
     constexpr uint32_t kFar[] = {0, 20};
@@ -157,7 +165,8 @@ TEST(CInterfaceEdits, change_nothing_where_they_are_refused) {
     work = {sizeof(work), 0, 0, 0};
     sweep(limn_editable_mesh_edit, 0b100, in_c, &given, &work, &error);
     LIMN_SWEEP(limn_patch_table_create_copy, 0, limn_patch_table, limn_editable_mesh_get_patches(in_c));
-    LIMN_SWEEP(limn_tessellation_table_create_copy, 0, limn_tessellation_table, limn_editable_mesh_get_tessellation(in_c));
+    LIMN_SWEEP(limn_tessellation_table_create_copy, 0, limn_tessellation_table,
+               limn_editable_mesh_get_tessellation(in_c));
     options.flags = 2;
     limn_editable_mesh* none = nullptr;
     EXPECT_EQ(limn_editable_mesh_create(mesh, &options, nullptr, &none, &error), LIMN_ERROR_INVALID_ARGUMENT);
@@ -333,7 +342,8 @@ TEST(CInterfaceCurvature, gives_the_bits_of_the_cpp_interface) {
         evaluate_curvature(values, width, expected);
         std::vector<limn_curvature> in_c(kCount);
         limn_error error = {};
-        ASSERT_EQ(limn_evaluate_curvature(values.data(), values.size(), width, in_c.data(), kCount, &error), LIMN_SUCCESS);
+        ASSERT_EQ(limn_evaluate_curvature(values.data(), values.size(), width, in_c.data(), kCount, &error),
+                  LIMN_SUCCESS);
         EXPECT_EQ(std::memcmp(in_c.data(), expected.data(), kCount * sizeof(Curvature)), 0);
         EXPECT_NE(in_c[0].gaussian, 0);
         EXPECT_EQ(limn_evaluate_curvature(values.data(), values.size() - 1, width, in_c.data(), kCount, &error),
@@ -351,17 +361,19 @@ TEST(CInterfaceStencils, give_the_bits_of_the_cpp_interface) {
     auto options = sized<limn_stencil_table_options>();
     options.level = 2, options.flags = LIMN_STENCIL_TABLE_LIMIT | LIMN_STENCIL_TABLE_TANGENTS;
     auto* in_c = LIMN_NEW(objects, limn_stencil_table, limn_stencil_table_create, grid.mesh_in_c(objects), &options);
-    const auto table = *build_limit_table<float>(
-        *build_refinement(grid.mesh(), {.level = 0, .full_last_level = true}), 2, true);
-    std::vector<float> source(size_t{2} * table.source_count), expected(size_t{2} * table.row_count()), values(expected);
+    const auto table =
+        *build_limit_table<float>(*build_refinement(grid.mesh(), {.level = 0, .full_last_level = true}), 2, true);
+    std::vector<float> source(size_t{2} * table.source_count), expected(size_t{2} * table.row_count()),
+        values(expected);
     for (size_t i = 0; i < source.size(); ++i) source[i] = static_cast<float>(i * i % 17) / 3;
     limn_error error = {};
     const auto apply = [&](limn_stencil_weights weights, uint64_t count) {
         return limn_stencil_table_apply(in_c, weights, source.data(), source.size(), 2, values.data(), count, &error);
     };
-    const std::pair<limn_stencil_weights, const Array<float>*> all[] = {{LIMN_STENCIL_POINTS, &table.weights},
-                                                                        {LIMN_STENCIL_TANGENT1, &table.tangent1_weights},
-                                                                        {LIMN_STENCIL_TANGENT2, &table.tangent2_weights}};
+    const std::pair<limn_stencil_weights, const Array<float>*> all[] = {
+        {LIMN_STENCIL_POINTS, &table.weights},
+        {LIMN_STENCIL_TANGENT1, &table.tangent1_weights},
+        {LIMN_STENCIL_TANGENT2, &table.tangent2_weights}};
     for (const auto& [choice, weights] : all) {
         StencilTable rows = table;
         rows.weights = *weights;

@@ -73,7 +73,8 @@ LIMN_PIN_STRUCT(limn_mesh_edit, 136, LIMN_AT(struct_size, 0), LIMN_AT(new_vertex
 LIMN_PIN_STRUCT(limn_edit_work, 16, LIMN_AT(struct_size, 0), LIMN_AT(face_count, 4), LIMN_AT(tessellation, 8),
                 LIMN_AT(reserved, 12))
 LIMN_PIN_STRUCT(limn_crowd_options, 32, LIMN_AT(struct_size, 0), LIMN_AT(flags, 4), LIMN_AT(max_rate, 8),
-                LIMN_AT(points_per_pass, 12), LIMN_AT(max_weight_bytes, 16), LIMN_AT(reserve, 24), LIMN_AT(reserved, 28))
+                LIMN_AT(points_per_pass, 12), LIMN_AT(max_weight_bytes, 16), LIMN_AT(reserve, 24),
+                LIMN_AT(reserved, 28))
 LIMN_PIN_STRUCT(limn_crowd_mesh, 16, LIMN_AT(patches, 0), LIMN_AT(tessellation, 8))
 LIMN_PIN_STRUCT(limn_crowd_info, 40, LIMN_AT(struct_size, 0), LIMN_AT(instance_capacity, 4), LIMN_AT(instance_count, 8),
                 LIMN_AT(reserved, 12), LIMN_AT(layout, 16), LIMN_AT(bytes, 24), LIMN_AT(changed_bytes, 32))

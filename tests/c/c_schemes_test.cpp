@@ -42,8 +42,8 @@ void expect_array(const T* in_c, const Array<T>& expected) {
     EXPECT_TRUE(std::equal(expected.begin(), expected.end(), in_c));
 }
 
-void expect_same_surface(const SchemeSurface& expected, const limn_scheme_surface* in_c, const std::vector<float>& points,
-                         limn_scheme_surface_info& info) {
+void expect_same_surface(const SchemeSurface& expected, const limn_scheme_surface* in_c,
+                         const std::vector<float>& points, limn_scheme_surface_info& info) {
     info.struct_size = sizeof(info);
     ASSERT_EQ(limn_scheme_surface_get_info(in_c, &info, nullptr), LIMN_SUCCESS);
     EXPECT_EQ(info.control_count, expected.control_count);
@@ -59,8 +59,8 @@ void expect_same_surface(const SchemeSurface& expected, const limn_scheme_surfac
     std::vector<float> positions(vertices.positions.size()), normals(positions);
     limn_error error = {};
     const auto apply = [&](float* to, uint64_t count) {
-        return limn_scheme_surface_apply(in_c, points.data(), points.size(), positions.data(), positions.size(), to, count,
-                                         &error);
+        return limn_scheme_surface_apply(in_c, points.data(), points.size(), positions.data(), positions.size(), to,
+                                         count, &error);
     };
     ASSERT_EQ(apply(normals.data(), normals.size()), LIMN_SUCCESS) << error.message;
     EXPECT_EQ(positions, vertices.positions);
@@ -88,7 +88,8 @@ TEST(CInterfaceSchemes, are_all_listed) {
                                                    {LIMN_SUBDIVISION_SCHEME_ADAPTIVE, is_adaptive(s)},
                                                    {LIMN_SUBDIVISION_SCHEME_SAMPLES, has_coordinates(s)},
                                                    {LIMN_SUBDIVISION_SCHEME_RECONSTRUCTED, s.reconstructed}};
-        for (const auto& [flag, is_set] : flags) EXPECT_EQ((info.flags & flag) != 0, is_set) << s.name << ", flag " << flag;
+        for (const auto& [flag, is_set] : flags)
+            EXPECT_EQ((info.flags & flag) != 0, is_set) << s.name << ", flag " << flag;
     }
     EXPECT_EQ(limn_subdivision_scheme_get_info(static_cast<uint32_t>(schemes.size()), &info, &error),
               LIMN_ERROR_INDEX_OUT_OF_RANGE);
@@ -101,7 +102,8 @@ TEST(CInterfaceSchemes, give_the_bits_of_the_cpp_interface) {
         const Model model = model_of(scheme);
         Objects objects;
         const limn_scheme_surface_options options = options_of(scheme.name, 2);
-        auto* in_c = LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create, model.mesh_in_c(objects), &options);
+        auto* in_c =
+            LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create, model.mesh_in_c(objects), &options);
         const auto expected = build_scheme_surface(model.mesh, scheme, {.level = 2});
         ASSERT_TRUE(expected);
         limn_scheme_surface_info info;
@@ -122,10 +124,11 @@ TEST(CInterfaceSchemes, give_the_bits_of_adaptive_surfaces) {
         for (const uint32_t max_triangles : {0u, 200u}) {
             Objects objects;
             auto options = sized<limn_adaptive_surface_options>();
-            options.scheme = name, options.max_level = 4, options.tolerance = 0.01, options.max_triangles = max_triangles;
+            options.scheme = name, options.max_level = 4, options.tolerance = 0.01,
+            options.max_triangles = max_triangles;
             options.positions = positions.data(), options.position_value_count = positions.size();
-            auto* in_c = LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create_adaptive, model.mesh_in_c(objects),
-                                  &options);
+            auto* in_c = LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create_adaptive,
+                                  model.mesh_in_c(objects), &options);
             AdaptiveSurfaceOptions same{.tolerance = 0.01, .max_level = 4};
             if (max_triangles != 0) same.max_triangles = max_triangles;
             auto expected = build_adaptive_surface<float>(model.mesh, scheme, positions, same);
@@ -171,8 +174,9 @@ TEST(CInterfaceSchemes, give_the_bits_of_samples) {
         StencilTable rows = expected->table;
         rows.weights = *all[weights];
         apply_stencil_table<float>(rows, points, right, 3);
-        ASSERT_EQ(limn_stencil_table_apply(table, weights, points.data(), points.size(), 3, values.data(), values.size(),
-                                           nullptr), LIMN_SUCCESS);
+        ASSERT_EQ(limn_stencil_table_apply(table, weights, points.data(), points.size(), 3, values.data(),
+                                           values.size(), nullptr),
+                  LIMN_SUCCESS);
         EXPECT_EQ(values, right);
     }
     LIMN_SWEEP(limn_stencil_table_create_scheme_samples, 0, limn_stencil_table, mesh, &options, samples_in_c.data(),
@@ -207,17 +211,20 @@ TEST(CInterfaceSchemes, take_corner_values) {
     options.corner_values = values.data(), options.corner_value_count = values.size();
     auto* in_c = LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create, mesh, &options);
     limn_scheme_surface_info info;
-    expect_same_surface(*build_scheme_surface(model.mesh, scheme, {.level = 2}, expected), in_c, model.shape.positions, info);
+    expect_same_surface(*build_scheme_surface(model.mesh, scheme, {.level = 2}, expected), in_c, model.shape.positions,
+                        info);
     options.corner_value_count -= 1;
     limn_scheme_surface* none = nullptr;
     EXPECT_EQ(limn_scheme_surface_create(mesh, &options, &none, &error), LIMN_ERROR_INVALID_ARGUMENT);
     const std::vector<float>& points = model.shape.positions;
-    ASSERT_EQ(limn_control_mesh_get_corner_angles(mesh, points.data(), points.size(), values.data(), values.size(), &error),
-              LIMN_SUCCESS);
+    ASSERT_EQ(
+        limn_control_mesh_get_corner_angles(mesh, points.data(), points.size(), values.data(), values.size(), &error),
+        LIMN_SUCCESS);
     EXPECT_EQ(values, *corner_angles(model.mesh, points));
     sweep(limn_control_mesh_get_corner_intervals, 0, mesh, edge.data(), 2, &interval, 1, values.data(), values.size(),
           &error);
-    sweep(limn_control_mesh_get_corner_angles, 0, mesh, points.data(), points.size(), values.data(), values.size(), &error);
+    sweep(limn_control_mesh_get_corner_angles, 0, mesh, points.data(), points.size(), values.data(), values.size(),
+          &error);
 }
 
 TEST(CInterfaceSchemes, refuse_what_does_not_fit) {
@@ -228,7 +235,8 @@ TEST(CInterfaceSchemes, refuse_what_does_not_fit) {
     const std::vector<double> positions(model.shape.positions.begin(), model.shape.positions.end());
     const limn_scheme_surface_options options = options_of("catmark", 1);
     auto adaptive = sized<limn_adaptive_surface_options>();
-    adaptive.scheme = "catmark", adaptive.positions = positions.data(), adaptive.position_value_count = positions.size();
+    adaptive.scheme = "catmark", adaptive.positions = positions.data(),
+    adaptive.position_value_count = positions.size();
     LIMN_SWEEP(limn_scheme_surface_create, 0, limn_scheme_surface, mesh, &options);
     LIMN_SWEEP(limn_scheme_surface_create_adaptive, 0, limn_scheme_surface, mesh, &adaptive);
     auto* surface = LIMN_NEW(objects, limn_scheme_surface, limn_scheme_surface_create, mesh, &options);

@@ -1,4 +1,5 @@
-// Tables that change on the device, surfaces of schemes and curvatures by way of the C interface: the C++ interface's bits.
+// Tables that change on the device, surfaces of schemes and curvatures by way of the C interface: the C++ interface's
+// bits.
 #include "c/c_vulkan_objects.h"
 #include "limn/c/limn_vulkan_changes.h"
 #include "limn/c/limn_vulkan_schemes.h"
@@ -164,7 +165,8 @@ struct EditedTablesInC {
 
     static EditedTablesInC of(Objects& objects, const limn_editable_mesh* mesh) {
         EditedTablesInC out = {};
-        out.patches = LIMN_NEW(objects, limn_patch_table, limn_patch_table_create_copy, limn_editable_mesh_get_patches(mesh));
+        out.patches =
+            LIMN_NEW(objects, limn_patch_table, limn_patch_table_create_copy, limn_editable_mesh_get_patches(mesh));
         out.tessellation = LIMN_NEW(objects, limn_tessellation_table, limn_tessellation_table_create_copy,
                                     limn_editable_mesh_get_tessellation(mesh));
         out.trees = LIMN_NEW(objects, limn_patch_trees, limn_patch_trees_create, out.patches, nullptr);
@@ -203,10 +205,12 @@ TEST_F(CInterfaceChanges, edited_tables_have_the_bits_of_the_cpp_interface) {
         SCOPED_TRACE(step);
         if (step != 0) {
             const bool has_hole = step == 4;
-            const MeshEdit edit = has_hole ? MeshEdit{.holes = kHole}
-                                           : MeshEdit{.crease_vertices = kEditedEdge, .crease_sharpness = kEditedSharpness[step - 1]};
+            const MeshEdit edit =
+                has_hole ? MeshEdit{.holes = kHole}
+                         : MeshEdit{.crease_vertices = kEditedEdge, .crease_sharpness = kEditedSharpness[step - 1]};
             auto given = sized<limn_mesh_edit>();
-            given.crease_vertices = edit.crease_vertices.data(), given.crease_vertex_count = edit.crease_vertices.size();
+            given.crease_vertices = edit.crease_vertices.data(),
+            given.crease_vertex_count = edit.crease_vertices.size();
             given.crease_sharpness = edit.crease_sharpness.data();
             given.crease_sharpness_count = edit.crease_sharpness.size();
             given.holes = edit.holes.data(), given.hole_count = edit.holes.size();
@@ -219,7 +223,8 @@ TEST_F(CInterfaceChanges, edited_tables_have_the_bits_of_the_cpp_interface) {
         std::vector<TableUpdate> updates;
         Objects updates_in_c;
         run([&](VkCommandBuffer commands) {
-            updates.push_back(*record_patch_table_update(device(), commands, patches, before->patches, after->patches, kReserve));
+            updates.push_back(
+                *record_patch_table_update(device(), commands, patches, before->patches, after->patches, kReserve));
             updates.push_back(*record_tessellation_table_update(device(), commands, table, before->sources(),
                                                                 after->sources(), kReserve));
             updates.push_back(*record_grid_table_update(device(), commands, grid, before->grid, after->grid, kReserve));
@@ -228,8 +233,8 @@ TEST_F(CInterfaceChanges, edited_tables_have_the_bits_of_the_cpp_interface) {
                          patches_in_c, before_in_c.patches, after_in_c.patches, kReserve),
                 LIMN_NEW(updates_in_c, limn_vk_table_update, limn_vk_tessellation_table_update, context_in_c_, commands,
                          table_in_c, step == 0 ? nullptr : &from, &to, kReserve),
-                LIMN_NEW(updates_in_c, limn_vk_table_update, limn_vk_grid_table_update, context_in_c_, commands, grid_in_c,
-                         before_in_c.grid, after_in_c.grid, kReserve)};
+                LIMN_NEW(updates_in_c, limn_vk_table_update, limn_vk_grid_table_update, context_in_c_, commands,
+                         grid_in_c, before_in_c.grid, after_in_c.grid, kReserve)};
             for (size_t i = 0; i < 3; ++i) expect_same_update(all[i], updates[i]);
         });
         drawings.push_back(draw(patches, table, &grid));
@@ -269,7 +274,8 @@ TEST_F(CInterfaceChanges, crowds_have_the_bits_of_the_cpp_interface) {
         crowd.forget_changes();
         limn_crowd_forget_changes(crowd_in_c);
         const std::vector<uint32_t> drawing = draw(on_device.patches, on_device.topology);
-        EXPECT_EQ(draw_in_c(limn_vk_crowd_get_patches(on_device_in_c), limn_vk_crowd_get_tessellation(on_device_in_c)), drawing);
+        EXPECT_EQ(draw_in_c(limn_vk_crowd_get_patches(on_device_in_c), limn_vk_crowd_get_tessellation(on_device_in_c)),
+                  drawing);
         return triangles_of(drawing);
     };
     const auto add = [&](size_t count) {
@@ -294,8 +300,8 @@ TEST_F(CInterfaceChanges, crowds_have_the_bits_of_the_cpp_interface) {
 TEST_F(CInterfaceChanges, surfaces_of_schemes_have_the_bits_of_the_cpp_interface) {
     limn::test::TestMesh shape = limn::test::make_prism(5);
     shape.perturb(0.2, 5);
-    const SchemeSurface surface =
-        *build_scheme_surface(*ControlMesh::create(shape.description()), *find_subdivision_scheme("doo-sabin"), {.level = 3});
+    const SchemeSurface surface = *build_scheme_surface(*ControlMesh::create(shape.description()),
+                                                        *find_subdivision_scheme("doo-sabin"), {.level = 3});
     auto description = sized<limn_control_mesh_description>();
     description.vertex_count = static_cast<uint32_t>(shape.positions.size() / 3);
     description.face_sizes = shape.face_sizes.data(), description.face_count = shape.face_sizes.size();
@@ -320,7 +326,8 @@ TEST_F(CInterfaceChanges, surfaces_of_schemes_have_the_bits_of_the_cpp_interface
         evaluation.record(commands);
         auto* recorded = LIMN_NEW(upload, limn_vk_upload, limn_vk_upload_create, context_in_c_, commands);
         auto info = sized<limn_vk_scheme_surface_info>();
-        info.surface = LIMN_NEW(objects_, limn_vk_scheme_surface, limn_vk_scheme_surface_create, recorded, surface_in_c);
+        info.surface =
+            LIMN_NEW(objects_, limn_vk_scheme_surface, limn_vk_scheme_surface_create, recorded, surface_in_c);
         info.points = points_of(points);
         info.positions = {out_in_c.handle, 0, 0, 6, 0}, info.normals = {out_in_c.handle, 12, 0, 6, 0};
         auto* made = LIMN_NEW(objects_, limn_vk_evaluation, limn_vk_scheme_evaluator_prepare, evaluator_in_c, &info);
@@ -347,18 +354,21 @@ TEST_F(CInterfaceChanges, surfaces_of_schemes_have_the_bits_of_the_cpp_interface
 TEST_F(CInterfaceChanges, curvatures_have_the_bits_of_the_cpp_interface) {
     constexpr uint32_t kCount = 20;
     const CurvatureEvaluator evaluator = *CurvatureEvaluator::create(device());
-    auto* evaluator_in_c = LIMN_NEW(objects_, limn_vk_curvature_evaluator, limn_vk_curvature_evaluator_create, context_in_c_);
+    auto* evaluator_in_c =
+        LIMN_NEW(objects_, limn_vk_curvature_evaluator, limn_vk_curvature_evaluator_create, context_in_c_);
     for (const uint32_t width : {3u, 4u}) {
         std::vector<float> numbers = some_floats(size_t{6} * width * kCount, 0.3f);
         for (float& x : numbers) x += 1;
         const Buffer values = *create_point_buffer(device(), numbers);
-        const Buffer out = filled_buffer(device(), {}, 4 * 28 * kCount), out_in_c = filled_buffer(device(), {}, 4 * 28 * kCount);
+        const Buffer out = filled_buffer(device(), {}, 4 * 28 * kCount),
+                     out_in_c = filled_buffer(device(), {}, 4 * 28 * kCount);
         const PointBuffer quotients{out.handle, 40 * kCount, 0, 18};
-        const CurvatureEvaluation evaluation = *evaluator.prepare({.sample_count = kCount,
-                                                                   .width = width,
-                                                                   .values = {values.handle, 0, 0, 6 * width},
-                                                                   .curvatures = {out.handle, 0, 0, 10},
-                                                                   .quotients = width == 4 ? quotients : PointBuffer{}});
+        const CurvatureEvaluation evaluation =
+            *evaluator.prepare({.sample_count = kCount,
+                                .width = width,
+                                .values = {values.handle, 0, 0, 6 * width},
+                                .curvatures = {out.handle, 0, 0, 10},
+                                .quotients = width == 4 ? quotients : PointBuffer{}});
         auto info = sized<limn_vk_curvature_info>();
         info.sample_count = kCount, info.width = width == 3 ? 0 : width;
         info.values = points_of(values), info.curvatures = points_of(out_in_c);
@@ -375,13 +385,15 @@ TEST_F(CInterfaceChanges, curvatures_have_the_bits_of_the_cpp_interface) {
         LIMN_SWEEP(limn_vk_curvature_evaluator_prepare, 0, limn_vk_evaluation, evaluator_in_c, &info);
         limn_vk_evaluation* none = nullptr;
         info.reserved = 1;
-        EXPECT_EQ(limn_vk_curvature_evaluator_prepare(evaluator_in_c, &info, &none, nullptr), LIMN_ERROR_INVALID_ARGUMENT);
+        EXPECT_EQ(limn_vk_curvature_evaluator_prepare(evaluator_in_c, &info, &none, nullptr),
+                  LIMN_ERROR_INVALID_ARGUMENT);
     }
     LIMN_SWEEP(limn_vk_curvature_evaluator_create, 0, limn_vk_curvature_evaluator, context_in_c_);
 }
 
 TEST_F(CInterfaceChanges, refuse_null_and_wrong_sizes) {
-    auto* mesh = LIMN_NEW(objects_, limn_editable_mesh, limn_editable_mesh_create, scene_mesh_in_c(objects_), nullptr, nullptr);
+    auto* mesh =
+        LIMN_NEW(objects_, limn_editable_mesh, limn_editable_mesh_create, scene_mesh_in_c(objects_), nullptr, nullptr);
     const EditedTablesInC tables = EditedTablesInC::of(objects_, mesh);
     auto* patches = LIMN_NEW(objects_, limn_vk_patch_table, limn_vk_patch_table_create_empty);
     auto* table = LIMN_NEW(objects_, limn_vk_tessellation_table, limn_vk_tessellation_table_create_empty);
@@ -396,25 +408,28 @@ TEST_F(CInterfaceChanges, refuse_null_and_wrong_sizes) {
                    tables.patches, kReserve);
         LIMN_SWEEP(limn_vk_grid_table_update, 0b1000, limn_vk_table_update, context_in_c_, commands, grid, nullptr,
                    tables.grid, kReserve);
-        LIMN_SWEEP(limn_vk_tessellation_table_update, 0b1000, limn_vk_table_update, context_in_c_, commands, table, nullptr,
-                   &sources, kReserve);
+        LIMN_SWEEP(limn_vk_tessellation_table_update, 0b1000, limn_vk_table_update, context_in_c_, commands, table,
+                   nullptr, &sources, kReserve);
         LIMN_SWEEP(limn_vk_crowd_update, 0, limn_vk_table_update, context_in_c_, commands, on_device, crowd);
         limn_vk_table_update* none = nullptr;
         for (const float reserve : {-1.0f, 5.0f, NAN})
-            EXPECT_EQ(limn_vk_patch_table_update(context_in_c_, commands, patches, nullptr, tables.patches, reserve, &none,
-                                                 &error), LIMN_ERROR_INVALID_ARGUMENT);
-        const limn_vk_tessellation_sources lacking[] = {
-            {nullptr, tables.trees, nullptr, 0}, {tables.tessellation, nullptr, nullptr, 0},
-            {tables.tessellation, tables.trees, nullptr, 1}};
+            EXPECT_EQ(limn_vk_patch_table_update(context_in_c_, commands, patches, nullptr, tables.patches, reserve,
+                                                 &none, &error),
+                      LIMN_ERROR_INVALID_ARGUMENT);
+        const limn_vk_tessellation_sources lacking[] = {{nullptr, tables.trees, nullptr, 0},
+                                                        {tables.tessellation, nullptr, nullptr, 0},
+                                                        {tables.tessellation, tables.trees, nullptr, 1}};
         for (const limn_vk_tessellation_sources& bad : lacking) {
-            EXPECT_EQ(limn_vk_tessellation_table_update(context_in_c_, commands, table, nullptr, &bad, 0, &none, &error),
-                      LIMN_ERROR_INVALID_ARGUMENT);
-            EXPECT_EQ(limn_vk_tessellation_table_update(context_in_c_, commands, table, &bad, &sources, 0, &none, &error),
-                      LIMN_ERROR_INVALID_ARGUMENT);
+            EXPECT_EQ(
+                limn_vk_tessellation_table_update(context_in_c_, commands, table, nullptr, &bad, 0, &none, &error),
+                LIMN_ERROR_INVALID_ARGUMENT);
+            EXPECT_EQ(
+                limn_vk_tessellation_table_update(context_in_c_, commands, table, &bad, &sources, 0, &none, &error),
+                LIMN_ERROR_INVALID_ARGUMENT);
         }
         EXPECT_EQ(none, nullptr);
-        auto* update = LIMN_NEW(updates, limn_vk_table_update, limn_vk_patch_table_update, context_in_c_, commands, patches,
-                                nullptr, tables.patches, 0.0f);
+        auto* update = LIMN_NEW(updates, limn_vk_table_update, limn_vk_patch_table_update, context_in_c_, commands,
+                                patches, nullptr, tables.patches, 0.0f);
         auto info = sized<limn_vk_table_update_info>();
         sweep(limn_vk_table_update_get_info, 0, update, &info, &error);
     });

@@ -19,7 +19,8 @@ struct Objects {
     Object* add(limn_result (*create)(Parameters...) noexcept, Args... args) {
         Object* object = nullptr;
         limn_error error = {};
-        EXPECT_EQ(std::apply(create, std::tuple<Parameters...>(args..., &object, &error)), LIMN_SUCCESS) << error.message;
+        EXPECT_EQ(std::apply(create, std::tuple<Parameters...>(args..., &object, &error)), LIMN_SUCCESS)
+            << error.message;
         all.push_back({object, [](void* o) { destroy(static_cast<Object*>(o)); }});
         return object;
     }
@@ -40,8 +41,7 @@ Info sized() {
 /// Calls `f` with null in place of each pointer that is not `optional` (a bit for each argument) but the last
 /// one, and with wrong sizes of each struct. None of these succeeds, nor crashes.
 template <class Before, class... Parameters, class... Args>
-void sweep_after(const Before& before, limn_result (*f)(Parameters...) noexcept, uint32_t optional,
-                 Args... args) {
+void sweep_after(const Before& before, limn_result (*f)(Parameters...) noexcept, uint32_t optional, Args... args) {
     const std::tuple<Parameters...> good(args...);
     const auto refused = [&](const std::tuple<Parameters...>& bad, size_t argument) {
         before();
@@ -75,12 +75,12 @@ void sweep(limn_result (*f)(Parameters...) noexcept, uint32_t optional, Args... 
 }
 
 /// Sweeps a function that creates an object; its arguments but for the object and the error.
-#define LIMN_SWEEP(f, optional, type, ...)                                 \
-    {                                                                      \
-        type* object_ = nullptr;                                           \
-        limn_error error_ = {};                                            \
-        limn::test::sweep(f, optional, __VA_ARGS__, &object_, &error_);    \
-        EXPECT_EQ(object_, nullptr);                                       \
+#define LIMN_SWEEP(f, optional, type, ...)                              \
+    {                                                                   \
+        type* object_ = nullptr;                                        \
+        limn_error error_ = {};                                         \
+        limn::test::sweep(f, optional, __VA_ARGS__, &object_, &error_); \
+        EXPECT_EQ(object_, nullptr);                                    \
     }
 
 }  // namespace limn::test

@@ -24,7 +24,8 @@ static_assert(sizeof(limn_patch_sample) == sizeof(PatchSample) &&
               offsetof(limn_patch_sample, u) == offsetof(PatchSample, u) &&
               offsetof(limn_patch_sample, v) == offsetof(PatchSample, v));
 static_assert(sizeof(limn_sample_status) == sizeof(SampleStatus));
-static_assert(sizeof(limn_curvature) == sizeof(Curvature) && offsetof(limn_curvature, mean) == offsetof(Curvature, mean) &&
+static_assert(sizeof(limn_curvature) == sizeof(Curvature) &&
+              offsetof(limn_curvature, mean) == offsetof(Curvature, mean) &&
               offsetof(limn_curvature, first) == offsetof(Curvature, first) &&
               offsetof(limn_curvature, second) == offsetof(Curvature, second) &&
               offsetof(limn_curvature, first_direction) == offsetof(Curvature, first_direction) &&

@@ -156,8 +156,8 @@ limn_result limn_crowd_compact(limn_crowd* crowd, limn_error* error) noexcept {
 limn_result limn_crowd_get_info(const limn_crowd* crowd, limn_crowd_info* info, limn_error* error) noexcept {
     if (crowd == nullptr) return report(bad_argument("crowd is null"), error);
     const limn::Crowd& c = crowd->value;
-    return write_struct(
-        {0, c.instance_capacity(), c.instance_count(), 0, c.layout(), c.bytes(), c.changed_bytes()}, info, error);
+    return write_struct({0, c.instance_capacity(), c.instance_count(), 0, c.layout(), c.bytes(), c.changed_bytes()},
+                        info, error);
 }
 
 limn_result limn_crowd_get_instance(const limn_crowd* crowd, uint32_t instance, limn_crowd_instance* info,

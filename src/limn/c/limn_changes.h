@@ -1,5 +1,6 @@
 // limn for C: meshes that are edited, and crowds that come and go, while their surfaces are drawn. What limn.h says of
-// structs and errors holds here, too; limn/mesh_edit.h and limn/crowd.h say the rest, limn_vulkan_changes.h what devices do.
+// structs and errors holds here, too; limn/mesh_edit.h and limn/crowd.h say the rest, limn_vulkan_changes.h what
+// devices do.
 //
 // These objects change: one thread at a time uses one of them, or what it hands out. An error leaves them as they were.
 #ifndef LIMN_C_LIMN_CHANGES_H
@@ -33,13 +34,13 @@ limn_result limn_editable_mesh_create(const limn_control_mesh* mesh, const limn_
                                       limn_error* error) LIMN_C_NOEXCEPT;
 void limn_editable_mesh_destroy(limn_editable_mesh* edited) LIMN_C_NOEXCEPT;
 
-/// limn::MeshEdit: first faces change, then sharpness, then holes. Arrays are read during limn_editable_mesh_edit only; null
-/// where their length is 0.
+/// limn::MeshEdit: first faces change, then sharpness, then holes. Arrays are read during limn_editable_mesh_edit only;
+/// null where their length is 0.
 typedef struct limn_mesh_edit {
     uint32_t struct_size;
-    uint32_t new_vertex_count;      ///< behind the others; vertices never go
-    const uint32_t* faces;          ///< that change; the mesh's face count and what follows are new ones, ascending
-    const uint32_t* face_sizes;     ///< one per face; 0 removes it, and those behind it move up
+    uint32_t new_vertex_count;   ///< behind the others; vertices never go
+    const uint32_t* faces;       ///< that change; the mesh's face count and what follows are new ones, ascending
+    const uint32_t* face_sizes;  ///< one per face; 0 removes it, and those behind it move up
     uint64_t face_count;
     const uint32_t* face_vertices;  ///< the sum of face_sizes
     uint64_t face_vertex_count;
@@ -64,8 +65,8 @@ typedef struct limn_edit_work {
     uint32_t reserved;
 } limn_edit_work;
 
-/// Makes the changes. The error's element is the one of the edit's faces, creases, corners or holes. Fills as much of `work` as
-/// its struct_size says; it may be null.
+/// Makes the changes. The error's element is the one of the edit's faces, creases, corners or holes. Fills as much of
+/// `work` as its struct_size says; it may be null.
 limn_result limn_editable_mesh_edit(limn_editable_mesh* edited, const limn_mesh_edit* edit, limn_edit_work* work,
                                     limn_error* error) LIMN_C_NOEXCEPT;
 
@@ -108,8 +109,8 @@ typedef struct limn_crowd_mesh {
     const limn_tessellation_table* tessellation;
 } limn_crowd_mesh;
 
-/// One instance of each mesh, whose numbers are written to `instances`: the least that are free. All is laid out anew, and
-/// limn_crowd_info::layout is another, where there is no room. The error's element is the mesh.
+/// One instance of each mesh, whose numbers are written to `instances`: the least that are free. All is laid out anew,
+/// and limn_crowd_info::layout is another, where there is no room. The error's element is the mesh.
 limn_result limn_crowd_add(limn_crowd* crowd, const limn_crowd_mesh* meshes, uint64_t mesh_count, uint32_t* instances,
                            limn_error* error) LIMN_C_NOEXCEPT;
 /// LIMN_ERROR_INDEX_OUT_OF_RANGE where there is no such instance.

@@ -69,25 +69,27 @@ Result<limn_scheme_surface> create_adaptive(const limn_control_mesh* mesh, const
     AdaptiveSurfaceOptions options{.tolerance = o.tolerance, .control = control_of(o.control)};
     if (o.max_level != 0) options.max_level = o.max_level;
     if (o.max_triangles != 0) options.max_triangles = o.max_triangles;
-    auto adaptive = build_adaptive_surface<float>(mesh->value, *build->scheme, positions, options, build->corner_values);
+    auto adaptive =
+        build_adaptive_surface<float>(mesh->value, *build->scheme, positions, options, build->corner_values);
     if (!adaptive) return adaptive.error();
-    limn_scheme_surface out{{}, adaptive->level, adaptive->reached, adaptive->tolerance, std::move(adaptive->face_levels)};
+    limn_scheme_surface out{
+        {}, adaptive->level, adaptive->reached, adaptive->tolerance, std::move(adaptive->face_levels)};
     out.value = make_scheme_surface(std::move(*adaptive));
     return out;
 }
 
 Result<StencilTable> create_samples(const limn_control_mesh* mesh, const limn_scheme_surface_options* given,
-                                    const limn_patch_sample* samples, uint64_t sample_count, limn_sample_status* statuses,
-                                    uint64_t status_count) {
+                                    const limn_patch_sample* samples, uint64_t sample_count,
+                                    limn_sample_status* statuses, uint64_t status_count) {
     const auto build = read_build(mesh, given);
     if (!build) return build.error();
     Reader reader;
     const auto places = reader.array(samples, sample_count, "samples");
     const auto valid = reader.array(statuses, status_count, sample_count, 1, "statuses");
     if (!reader.state) return reader.state.error();
-    auto made = build_scheme_sample_table<float>(
-        mesh->value, *build->scheme, {reinterpret_cast<const PatchSample*>(places.data()), places.size()},
-        build->corner_values, control_of(build->options.control));
+    auto made = build_scheme_sample_table<float>(mesh->value, *build->scheme,
+                                                 {reinterpret_cast<const PatchSample*>(places.data()), places.size()},
+                                                 build->corner_values, control_of(build->options.control));
     if (!made) return made.error();
     std::transform(made->statuses.begin(), made->statuses.end(), valid.begin(),
                    [](SampleStatus s) { return static_cast<limn_sample_status>(s); });
@@ -104,8 +106,9 @@ Result<void> write_corner_values(const Result<std::vector<double>>& made, double
     return {};
 }
 
-Result<std::vector<double>> find_intervals(const limn_control_mesh* mesh, const uint32_t* edges, uint64_t edge_vertex_count,
-                                           const float* intervals, uint64_t interval_count) {
+Result<std::vector<double>> find_intervals(const limn_control_mesh* mesh, const uint32_t* edges,
+                                           uint64_t edge_vertex_count, const float* intervals,
+                                           uint64_t interval_count) {
     Reader reader;
     if (mesh == nullptr) reader.fail("mesh is null");
     const auto pairs = reader.array(edges, edge_vertex_count, "edges");
@@ -122,8 +125,8 @@ Result<std::vector<double>> find_angles(const limn_control_mesh* mesh, const flo
     return corner_angles(mesh->value, given);
 }
 
-Result<void> apply(const limn_scheme_surface* surface, const float* points, uint64_t point_value_count, float* positions,
-                   uint64_t position_value_count, float* normals, uint64_t normal_value_count) {
+Result<void> apply(const limn_scheme_surface* surface, const float* points, uint64_t point_value_count,
+                   float* positions, uint64_t position_value_count, float* normals, uint64_t normal_value_count) {
     if (surface == nullptr) return bad_argument("surface is null");
     const SchemeSurface& s = surface->value;
     Reader reader;
@@ -174,7 +177,8 @@ limn_result limn_scheme_surface_create(const limn_control_mesh* mesh, const limn
                                        limn_scheme_surface** surface, limn_error* error) noexcept {
     return create(surface, error, [&] { return create_surface(mesh, options); });
 }
-limn_result limn_scheme_surface_create_adaptive(const limn_control_mesh* mesh, const limn_adaptive_surface_options* options,
+limn_result limn_scheme_surface_create_adaptive(const limn_control_mesh* mesh,
+                                                const limn_adaptive_surface_options* options,
                                                 limn_scheme_surface** surface, limn_error* error) noexcept {
     return create(surface, error, [&] { return create_adaptive(mesh, options); });
 }
@@ -186,28 +190,18 @@ limn_result limn_scheme_surface_get_info(const limn_scheme_surface* surface, lim
                                          limn_error* error) noexcept {
     if (surface == nullptr) return report(bad_argument("surface is null"), error);
     const limn::SchemeSurface& s = surface->value;
-    return write_struct({0,
-                         s.control_count,
-                         s.vertex_count,
-                         static_cast<uint32_t>(s.face_offsets.size() - 1),
-                         static_cast<uint32_t>(s.triangles.size() / 3),
-                         static_cast<uint32_t>(s.edges.size() / 2),
-                         s.face_offsets.data(),
-                         s.face_vertices.data(),
-                         s.triangles.data(),
-                         s.edges.data(),
-                         surface->level,
-                         surface->reached ? 1u : 0u,
-                         surface->tolerance,
-                         surface->face_levels.data()},
+    return write_struct({0, s.control_count, s.vertex_count, static_cast<uint32_t>(s.face_offsets.size() - 1),
+                         static_cast<uint32_t>(s.triangles.size() / 3), static_cast<uint32_t>(s.edges.size() / 2),
+                         s.face_offsets.data(), s.face_vertices.data(), s.triangles.data(), s.edges.data(),
+                         surface->level, surface->reached ? 1u : 0u, surface->tolerance, surface->face_levels.data()},
                         info, error);
 }
 
-limn_result limn_scheme_surface_apply(const limn_scheme_surface* surface, const float* points, uint64_t point_value_count,
-                                      float* positions, uint64_t position_value_count, float* normals,
-                                      uint64_t normal_value_count, limn_error* error) noexcept {
-    return report(apply(surface, points, point_value_count, positions, position_value_count, normals, normal_value_count),
-                  error);
+limn_result limn_scheme_surface_apply(const limn_scheme_surface* surface, const float* points,
+                                      uint64_t point_value_count, float* positions, uint64_t position_value_count,
+                                      float* normals, uint64_t normal_value_count, limn_error* error) noexcept {
+    return report(
+        apply(surface, points, point_value_count, positions, position_value_count, normals, normal_value_count), error);
 }
 
 limn_result limn_stencil_table_create_scheme_samples(const limn_control_mesh* mesh,

@@ -81,20 +81,22 @@ limn_result limn_vk_tessellation_table_create_empty(limn_vk_tessellation_table**
     return create_empty(table, error);
 }
 
-limn_result limn_vk_patch_table_update(const limn_vk_context* context, VkCommandBuffer commands, limn_vk_patch_table* table,
-                                       const limn_patch_table* before, const limn_patch_table* after, float reserve,
-                                       limn_vk_table_update** update, limn_error* error) noexcept {
+limn_result limn_vk_patch_table_update(const limn_vk_context* context, VkCommandBuffer commands,
+                                       limn_vk_patch_table* table, const limn_patch_table* before,
+                                       const limn_patch_table* after, float reserve, limn_vk_table_update** update,
+                                       limn_error* error) noexcept {
     return update_table(context, commands, table, after, reserve, update, error, [&](const vk::Device& device) {
-        return vk::record_patch_table_update(device, commands, table->value, before != nullptr ? before->value : PatchTable(),
-                                             after->value, reserve);
+        return vk::record_patch_table_update(device, commands, table->value,
+                                             before != nullptr ? before->value : PatchTable(), after->value, reserve);
     });
 }
-limn_result limn_vk_grid_table_update(const limn_vk_context* context, VkCommandBuffer commands, limn_vk_grid_table* table,
-                                      const limn_grid_table* before, const limn_grid_table* after, float reserve,
-                                      limn_vk_table_update** update, limn_error* error) noexcept {
+limn_result limn_vk_grid_table_update(const limn_vk_context* context, VkCommandBuffer commands,
+                                      limn_vk_grid_table* table, const limn_grid_table* before,
+                                      const limn_grid_table* after, float reserve, limn_vk_table_update** update,
+                                      limn_error* error) noexcept {
     return update_table(context, commands, table, after, reserve, update, error, [&](const vk::Device& device) {
-        return vk::record_grid_table_update(device, commands, table->value, before != nullptr ? before->value : GridTable(),
-                                            after->value, reserve);
+        return vk::record_grid_table_update(device, commands, table->value,
+                                            before != nullptr ? before->value : GridTable(), after->value, reserve);
     });
 }
 
@@ -103,16 +105,17 @@ limn_result limn_vk_tessellation_table_update(const limn_vk_context* context, Vk
                                               const limn_vk_tessellation_sources* before,
                                               const limn_vk_tessellation_sources* after, float reserve,
                                               limn_vk_table_update** update, limn_error* error) noexcept {
-    return update_table(
-        context, commands, table, after, reserve, update, error, [&](const vk::Device& device) -> Result<vk::TableUpdate> {
-            std::vector<const PatchTreeTable*> trees_before, trees_after;
-            const auto to = read_sources(*after, trees_after);
-            if (!to) return to.error();
-            const EmptySources none(trees_after.size());
-            const auto from = before != nullptr ? read_sources(*before, trees_before) : none.tables();
-            if (!from) return from.error();
-            return vk::record_tessellation_table_update(device, commands, table->value, *from, *to, reserve);
-        });
+    return update_table(context, commands, table, after, reserve, update, error,
+                        [&](const vk::Device& device) -> Result<vk::TableUpdate> {
+                            std::vector<const PatchTreeTable*> trees_before, trees_after;
+                            const auto to = read_sources(*after, trees_after);
+                            if (!to) return to.error();
+                            const EmptySources none(trees_after.size());
+                            const auto from = before != nullptr ? read_sources(*before, trees_before) : none.tables();
+                            if (!from) return from.error();
+                            return vk::record_tessellation_table_update(device, commands, table->value, *from, *to,
+                                                                        reserve);
+                        });
 }
 
 limn_result limn_vk_crowd_create(limn_vk_crowd** crowd, limn_error* error) noexcept {

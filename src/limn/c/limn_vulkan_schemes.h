@@ -15,8 +15,8 @@ typedef struct limn_vk_scheme_surface limn_vk_scheme_surface;
 limn_result limn_vk_scheme_surface_create(limn_vk_upload* upload, const limn_scheme_surface* from,
                                           limn_vk_scheme_surface** surface, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_vk_scheme_surface_destroy(limn_vk_scheme_surface* surface) LIMN_C_NOEXCEPT;
-/// 3 vertex indices (uint32) for each triangle of limn_scheme_surface_info, to be bound as an index buffer. The surface's own;
-/// null of null.
+/// 3 vertex indices (uint32) for each triangle of limn_scheme_surface_info, to be bound as an index buffer. The
+/// surface's own; null of null.
 VkBuffer limn_vk_scheme_surface_get_triangles(const limn_vk_scheme_surface* surface) LIMN_C_NOEXCEPT;
 
 typedef struct limn_vk_scheme_evaluator limn_vk_scheme_evaluator;
@@ -34,8 +34,8 @@ typedef struct limn_vk_scheme_surface_info {
     limn_vk_points normals;    ///< optional: a null buffer
 } limn_vk_scheme_surface_info;
 
-/// Barriers between its own dispatches are included. Recorded into one command buffer after the other, a barrier from kernel
-/// writes in between: points of the levels are the evaluation's own.
+/// Barriers between its own dispatches are included. Recorded into one command buffer after the other, a barrier from
+/// kernel writes in between: points of the levels are the evaluation's own.
 limn_result limn_vk_scheme_evaluator_prepare(const limn_vk_scheme_evaluator* evaluator,
                                              const limn_vk_scheme_surface_info* info, limn_vk_evaluation** evaluation,
                                              limn_error* error) LIMN_C_NOEXCEPT;

@@ -88,8 +88,8 @@ limn_result create_on_device(const limn_vk_context* context, Object** out, limn_
 
 /// Reads the info, and has `make(info, width, reader)` prepare what it says.
 template <class Evaluator, class Info, class Make>
-limn_result prepare(const Evaluator* evaluator, const Info* given, limn_vk_evaluation** evaluation,
-                    limn_error* error, const Make& make) {
+limn_result prepare(const Evaluator* evaluator, const Info* given, limn_vk_evaluation** evaluation, limn_error* error,
+                    const Make& make) {
     return create(evaluation, error, [&]() -> Result<decltype(limn_vk_evaluation::value)> {
         if (evaluator == nullptr) return bad_argument("evaluator is null");
         const auto info = read_struct(given);

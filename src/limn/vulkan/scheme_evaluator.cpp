@@ -64,8 +64,7 @@ Result<SchemeSurfaceUpload> record_scheme_surface_upload(const Device& device, V
     auto buffer = create_table_buffer(device, command_buffer, surface.triangles.bytes(), upload.staging,
                                       kPointUsage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     if (!buffer) return buffer.error();
-    if (!surface.triangles.empty())
-        std::memcpy(buffer->second, surface.triangles.data(), surface.triangles.bytes());
+    if (!surface.triangles.empty()) std::memcpy(buffer->second, surface.triangles.data(), surface.triangles.bytes());
     out.triangles = std::move(buffer->first);
     return upload;
 }
@@ -83,9 +82,8 @@ Result<MemoryNeed> upload_memory(const SchemeSurface& surface) {
 }
 
 Result<DeviceSchemeSurface> upload_scheme_surface(const Device& device, const SchemeSurface& surface) {
-    return upload_and_wait(device, [&](VkCommandBuffer commands) {
-        return record_scheme_surface_upload(device, commands, surface);
-    });
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_scheme_surface_upload(device, commands, surface); });
 }
 
 struct SchemeEvaluation::State {

@@ -24,8 +24,8 @@ struct SchemeSurfaceUpload {
     std::vector<Buffer> staging;
 };
 
-/// As record_patch_table_upload (surface_tables.h). Owed where triangles are drawn: a barrier from kCopyWrites to kDrawReads.
-/// Errors: too_large, out_of_memory, vulkan_failure.
+/// As record_patch_table_upload (surface_tables.h). Owed where triangles are drawn: a barrier from kCopyWrites to
+/// kDrawReads. Errors: too_large, out_of_memory, vulkan_failure.
 Result<SchemeSurfaceUpload> record_scheme_surface_upload(const Device& device, VkCommandBuffer command_buffer,
                                                          const SchemeSurface& surface);
 /// What an upload takes: all that it makes, byte for byte. Errors: too_large.
