@@ -180,7 +180,7 @@ void limn_async_build_destroy(limn_async_build* build) LIMN_C_NOEXCEPT;
 typedef struct limn_plan_cache limn_plan_cache;
 typedef struct limn_patch_table limn_patch_table;
 
-/// Plans already built, for any number of meshes and threads. It is the one object that changes.
+/// Plans already built, for any number of meshes and threads. It is the one object here that changes.
 limn_result limn_plan_cache_create(limn_plan_cache** cache, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_plan_cache_destroy(limn_plan_cache* cache) LIMN_C_NOEXCEPT;
 
