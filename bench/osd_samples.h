@@ -28,8 +28,8 @@ double osd_difference(const BenchModel& model, uint32_t isolation_level, std::sp
 
 /// False where osd_difference has nothing to say: with semi-sharp Chaikin creases, whose rules OpenSubdiv's adaptive
 /// refinement applies to the edges that it happens to have; with vertices of two faces at which an infinitely sharp
-/// edge ends, around which it has a point that is no neighbour; and with vertices that are not manifold, where a few of
-/// its end caps are others.
+/// edge ends, around which it has a point that is no neighbour; and with vertices that are not manifold, whose sheets
+/// share points of its end caps, and where some corners come out as creases.
 bool has_equal_patches(const ControlMesh& mesh);
 
 /// Fails where there are none, or where they are not what they should be.
