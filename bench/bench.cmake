@@ -19,6 +19,7 @@ set(bench_files
     bench/limn_stencils.cpp
     bench/limn_patches.cpp
     bench/patch_samples.cpp
+    bench/osd_samples.cpp
     bench/limn_osd.cpp
     bench/plain_loops.cpp
     bench/level_bench.cpp

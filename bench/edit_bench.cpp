@@ -8,7 +8,7 @@
 
 #include "limn/mesh_edit.h"
 #include "limn_patches.h"
-#include "osd_patches.h"
+#include "osd_samples.h"
 #include "patch_samples.h"
 #include "session.h"
 
@@ -43,17 +43,11 @@ struct Setup {
     const Session& session;
     const LimnDevice& limn;
     BenchModel model;
-    std::vector<double> truth = {};  ///< of the mesh as it is
 
     /// The edit itself. `known`: between two values that have been seen before.
     void edit(uint32_t step, bool known) {
         model.mesh.crease_sharpness[0] =
             known ? (step % 2 == 0 ? 1.5f : 2.25f) : 1 + 0.001f * static_cast<float>(step);
-    }
-    std::vector<PatchSample> samples(const PatchTableDouble& table) {
-        auto list = grid_samples(table, kRate);
-        truth = evaluate_samples(table, list, model.positions, Derivatives::none);
-        return list;
     }
 };
 
@@ -65,19 +59,15 @@ PatchCandidate make_limn(const Setup& s, const PlanCache& cache) {
 }
 
 PatchCandidate make_osd(const Setup& s, OsdEvaluator evaluator, std::span<const PatchSample> samples) {
-    const auto places = std::make_shared<OsdPlaces>();
-    places->patches = build_osd_patches(OsdMesh(s.model.mesh), kIsolationLevel);
-    if (places->patches) places->places = find_osd_patches(*places->patches, samples);
-    if (places->places.size() != samples.size())
-        fail(s.session.options,
-             {ErrorCode::unsupported, s.model.name + ": OpenSubdiv has no patch at some place"});
-    return make_osd_patch_candidate(evaluator, PatchTask::derivatives, places, s.model.positions, 3, 0);
+    return make_osd_patch_candidate(evaluator, PatchTask::derivatives,
+                                    find_osd_places(s.model.mesh, kIsolationLevel, samples), s.model.positions, 3, 0);
 }
 
-void verify(const Setup& s, const Row& row, const PatchCandidate& candidate, double tolerance) {
+void verify(const Setup& s, const Row& row, const PatchCandidate& candidate, const std::vector<double>& points) {
     if (!candidate.frame())
         fail(s.session.options, {ErrorCode::unsupported, row_name(row) + ": cannot be evaluated"});
-    const double difference = largest_difference(candidate.values().positions, s.truth);
+    const double difference = largest_difference(candidate.values().positions, points);
+    const double tolerance = tolerance_for(s.model.positions).in_float;
     if (!(difference <= tolerance))
         fail(s.session.options,
              {ErrorCode::unsupported,
@@ -91,8 +81,8 @@ void bench_limn(Setup& s, const char* task, bool known) {
     for (uint32_t step = 0; step < 2; ++step) {  // both values get known
         s.edit(step, true);
         const auto truth = value_or_fail(options, build_patch_table<double>(s.model.mesh, {}));
-        s.samples(truth);
-        verify(s, row, make_limn(s, cache), tolerance_for(s.model.positions).in_float);
+        verify(s, row, make_limn(s, cache),
+               evaluate_samples(truth, grid_samples(truth, kRate), s.model.positions, Derivatives::none));
     }
     uint32_t step = 0;
     row.timing = measure(options, [&] {
@@ -108,9 +98,9 @@ void bench_osd(Setup& s, const char* task, OsdEvaluator evaluator, bool known) {
     Row row = row_of(s.model, task, evaluator == OsdEvaluator::cpu ? "osd_cpu" : "osd_omp", Side::peer);
     s.edit(0, true);
     const auto truth = value_or_fail(options, build_patch_table<double>(s.model.mesh, {}));
-    const auto samples = s.samples(truth);
-    const double size = tolerance_for(s.model.positions).size;
-    verify(s, row, make_osd(s, evaluator, samples), size * largest_osd_error(kIsolationLevel));
+    const auto samples = grid_samples(truth, kRate);
+    verify(s, row, make_osd(s, evaluator, samples),
+           find_osd_samples(options, s.model, kIsolationLevel, samples).points());
     uint32_t step = 0;
     row.timing = measure(options, [&] {
         s.edit(step++, known);

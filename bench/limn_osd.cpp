@@ -100,7 +100,6 @@ Result<PatchCandidate> make_limn_osd_patch_candidate(const vk::Device& device,
     PatchCandidate candidate = describe_osd_patch_candidate("", PatchTask::derivatives, *places, 3);
     candidate.name = "limn_osd" + std::string(suffix(how));
     candidate.is_limn = true;
-    candidate.osd_tables = true;
     candidate.copy_rate = copy_rate;
     const OsdPatches& tables = *places->patches;
     const auto frame = std::make_shared<Frame>(device);

@@ -189,6 +189,7 @@ BenchModel finish(const Options& options, std::string name, Model model) {
         error.message = name + ": " + error.message;
         fail(options, error);
     }
+    mesh->channels.clear();  // which nothing that is measured evaluates, and which edits would have to be told of
     return {std::move(name), std::move(*mesh), std::move(model.positions)};
 }
 

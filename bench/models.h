@@ -14,7 +14,7 @@ double noise(uint64_t i);
 
 struct BenchModel {
     std::string name;
-    ControlMesh mesh;
+    ControlMesh mesh;              ///< without face-varying channels
     std::vector<float> positions;  ///< 3 per vertex
 };
 

@@ -32,12 +32,13 @@ void bench_patches(const Session& session, const BenchModel& model, uint32_t cou
     const auto truth = value_or_fail(session.options, build_patch_table<double>(model.mesh, {}));
     const Row row{.scenario = "osd_interop", .parameters = {{"samples", count}}};
     PatchBench bench(session, model, row, PatchTask::derivatives, truth, random_samples(truth, count));
-    const auto places = bench.find_osd_places();
+    const OsdSamples osd = bench.find_osd();
     for (const OsdFrame how : kFrames)
         bench.run(value_or_fail(session.options,
-                                make_limn_osd_patch_candidate(session.machines.device(), places, model.positions, how,
-                                                              session.machines.copy.device)));
-    bench.run_osd(places);
+                                make_limn_osd_patch_candidate(session.machines.device(), osd.places, model.positions,
+                                                              how, session.machines.copy.device)),
+                  osd);
+    bench.run_osd(osd);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <array>
 #include <thread>
 
+#include "limn/parallel.h"
+
 namespace limn::bench {
 
 namespace Far = OpenSubdiv::Far;
@@ -43,6 +45,20 @@ std::unique_ptr<const Far::StencilTable> build_stencils(const Far::TopologyRefin
     return stencils;
 }
 
+/// Control points, then those of all stencils, in double.
+std::vector<double> evaluate_stencils(const OsdPatches& patches, const std::vector<float>& positions) {
+    std::vector<double> points(positions.begin(), positions.end());
+    points.resize(3 * patches.point_count());
+    const Far::StencilTable& table = *patches.stencils;
+    for (size_t row = 0, k = 0; row < patches.stencil_count(); ++row)
+        for (const size_t end = k + static_cast<size_t>(table.GetSizes()[row]); k < end; ++k)
+            for (size_t axis = 0; axis < 3; ++axis)
+                points[3 * (patches.control_count + row) + axis] +=
+                    static_cast<double>(table.GetWeights()[k]) *
+                    points[3 * static_cast<size_t>(table.GetControlIndices()[k]) + axis];
+    return points;
+}
+
 using Descriptor = Osd::BufferDescriptor;
 using EvalStencils = bool (*)(const float*, const Descriptor&, float*, const Descriptor&, const int*,
                               const int*, const int*, const float*, int, int);
@@ -74,41 +90,40 @@ std::unique_ptr<const OsdPatches> build_osd_patches(const OsdMesh& mesh, uint32_
     return built;
 }
 
-std::vector<Osd::PatchCoord> find_osd_patches(const OsdPatches& patches,
-                                              std::span<const PatchSample> samples) {
-    const Far::PatchMap map(*patches.patches);
-    std::vector<Osd::PatchCoord> places;
-    places.reserve(samples.size());
+std::shared_ptr<const OsdPlaces> find_osd_places(const ControlMesh& mesh, uint32_t isolation_level,
+                                                 std::span<const PatchSample> samples) {
+    const auto found = std::make_shared<OsdPlaces>();
+    found->patches = build_osd_patches(OsdMesh(mesh), isolation_level);
+    if (!found->patches) return nullptr;
+    const Far::PatchMap map(*found->patches->patches);
+    found->places.reserve(samples.size());
     for (const PatchSample& s : samples) {
         const auto* handle = map.FindPatch(static_cast<int>(s.face), s.u, s.v);
-        if (handle == nullptr) return {};
-        places.emplace_back(*handle, static_cast<float>(s.u), static_cast<float>(s.v));
+        if (handle == nullptr) return nullptr;
+        found->places.emplace_back(*handle, static_cast<float>(s.u), static_cast<float>(s.v));
     }
-    return places;
+    return found;
 }
 
-std::vector<double> osd_patch_points(const OsdPatches& patches, std::span<const Osd::PatchCoord> places,
-                                     const std::vector<float>& positions) {
-    std::vector<double> points(positions.begin(), positions.end());
-    points.resize(3 * patches.point_count());
-    const Far::StencilTable& table = *patches.stencils;
-    for (size_t row = 0, k = 0; row < patches.stencil_count(); ++row)
-        for (const size_t end = k + static_cast<size_t>(table.GetSizes()[row]); k < end; ++k)
-            for (size_t axis = 0; axis < 3; ++axis)
-                points[3 * (patches.control_count + row) + axis] +=
-                    static_cast<double>(table.GetWeights()[k]) *
-                    points[3 * static_cast<size_t>(table.GetControlIndices()[k]) + axis];
-    std::vector<double> values(3 * places.size());
-    for (size_t s = 0; s < places.size(); ++s) {
-        std::array<double, 20> weights{};
-        patches.patches->EvaluateBasis(places[s].handle, static_cast<double>(places[s].s),
-                                       static_cast<double>(places[s].t), weights.data());
-        const Far::ConstIndexArray vertices = patches.patches->GetPatchVertices(places[s].handle);
-        for (int i = 0; i < vertices.size(); ++i)
-            for (size_t axis = 0; axis < 3; ++axis)
-                values[3 * s + axis] +=
-                    weights[static_cast<size_t>(i)] * points[3 * static_cast<size_t>(vertices[i]) + axis];
-    }
+std::vector<double> evaluate_osd_places(const OsdPlaces& places, const std::vector<float>& positions) {
+    const Far::PatchTable& patches = *places.patches->patches;
+    const std::vector<double> points = evaluate_stencils(*places.patches, positions);
+    std::vector<double> values(9 * places.places.size());
+    const auto evaluate = [&](uint32_t s) {
+        const Osd::PatchCoord& place = places.places[s];
+        std::array<std::array<double, 20>, 3> weights{};  // of position, du and dv
+        patches.EvaluateBasis(place.handle, static_cast<double>(place.s), static_cast<double>(place.t),
+                              weights[0].data(), weights[1].data(), weights[2].data());
+        // OpenSubdiv's derivatives are twice as long as its own u and v say where a face is no quad.
+        const double scale = patches.GetPatchParam(place.handle).NonQuadRoot() ? 0.5 : 1;
+        const Far::ConstIndexArray vertices = patches.GetPatchVertices(place.handle);
+        for (size_t k = 0; k < 3; ++k)
+            for (int i = 0; i < vertices.size(); ++i)
+                for (size_t axis = 0; axis < 3; ++axis)
+                    values[9 * s + 3 * k + axis] += (k == 0 ? 1 : scale) * weights[k][static_cast<size_t>(i)] *
+                                                    points[3 * static_cast<size_t>(vertices[i]) + axis];
+    };
+    for_each_index(static_cast<uint32_t>(places.places.size()), evaluate);
     return values;
 }
 

@@ -40,26 +40,18 @@ struct OsdPatches {
 /// ones, but none with a semi-sharp crease. Null when it refuses the mesh.
 std::unique_ptr<const OsdPatches> build_osd_patches(const OsdMesh& mesh, uint32_t isolation_level);
 
-/// How far its surface may be from the limit, as a share of the mesh's size: what the Gregory ends of the
-/// level leave, and semi-sharp creases that reach deeper.
-constexpr double largest_osd_error(uint32_t isolation_level) {
-    return isolation_level < 6 ? 2e-2 : 5e-3;
-}
-
-/// The places of samples on patches. Empty when one is on no patch.
-std::vector<OpenSubdiv::Osd::PatchCoord> find_osd_patches(const OsdPatches& patches,
-                                                          std::span<const PatchSample> samples);
-
-/// x y z per place, computed in double from OpenSubdiv's weights in float.
-std::vector<double> osd_patch_points(const OsdPatches& patches,
-                                     std::span<const OpenSubdiv::Osd::PatchCoord> places,
-                                     const std::vector<float>& positions);
-
 /// What its evaluators evaluate.
 struct OsdPlaces {
     std::unique_ptr<const OsdPatches> patches;
     std::vector<OpenSubdiv::Osd::PatchCoord> places;
 };
+
+/// Patches of this level, and where samples are on them. Null when it refuses the mesh, or has no patch at a sample.
+std::shared_ptr<const OsdPlaces> find_osd_places(const ControlMesh& mesh, uint32_t isolation_level,
+                                                 std::span<const PatchSample> samples);
+
+/// Position, du and dv at each place, x y z each, computed in double from its tables' weights in float.
+std::vector<double> evaluate_osd_places(const OsdPlaces& places, const std::vector<float>& positions);
 
 /// A frame is stencils, then position and, but for PatchTask::points, du and dv at each place. `width`: 3, or
 /// 4 with padding.

@@ -25,7 +25,6 @@ struct PatchValues {
 struct PatchCandidate {
     std::string name;
     bool is_limn = false;
-    bool osd_tables = false;  ///< evaluates OpenSubdiv's, which are as far from the limit as they are
     uint64_t sample_count = 0;
     uint32_t dispatch_count = 0;  ///< 0 where it runs on the host
     uint64_t bytes = 0;           ///< tables, places, points read and written and results, once each

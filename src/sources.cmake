@@ -230,6 +230,12 @@ set(limn_files
     src/limn/c/limn_tables.cpp
     src/limn/c/limn_tessellation.cpp
     src/limn/c/limn_baked_file.cpp
+    src/limn/c/limn_changes.h
+    src/limn/c/change_interop.h
+    src/limn/c/limn_changes.cpp
+    src/limn/c/limn_schemes.h
+    src/limn/c/scheme_interop.h
+    src/limn/c/limn_schemes.cpp
 )
 set(kernels
     skin
@@ -292,11 +298,11 @@ set(vulkan_files
     src/limn/vulkan/evaluator.cpp
     src/limn/vulkan/recording.h
     src/limn/vulkan/recording.cpp
-    src/limn/vulkan/scheme_evaluator.h
-    src/limn/vulkan/scheme_evaluator.cpp
     src/limn/vulkan/surface_tables.h
     src/limn/vulkan/table_upload.h
     src/limn/vulkan/surface_tables.cpp
+    src/limn/vulkan/scheme_evaluator.h
+    src/limn/vulkan/scheme_evaluator.cpp
     src/limn/vulkan/skinning.h
     src/limn/vulkan/skinning.cpp
     src/limn/vulkan/surface_evaluator.h
@@ -325,6 +331,10 @@ set(vulkan_files
     src/limn/c/limn_vulkan_evaluation.cpp
     src/limn/c/limn_vulkan_tessellation.cpp
     src/limn/c/limn_vulkan_hardware.cpp
+    src/limn/c/limn_vulkan_changes.h
+    src/limn/c/limn_vulkan_changes.cpp
+    src/limn/c/limn_vulkan_schemes.h
+    src/limn/c/limn_vulkan_schemes.cpp
 )
 set(osd_kernels
     osd_patch_eval
@@ -388,6 +398,8 @@ set(private_headers
     src/limn/schemes/sparse_rows.h
     src/limn/c/interop.h
     src/limn/c/vulkan_interop.h
+    src/limn/c/change_interop.h
+    src/limn/c/scheme_interop.h
     src/limn/baked_format.h
     src/limn/hash.h
     src/limn/baked_check.h

@@ -105,6 +105,21 @@ TEST_F(BenchProgram, writes_a_page_that_needs_no_network) {
     EXPECT_EQ(same.output.find("beyond noise"), std::string::npos) << same.output;
 }
 
+// Darts, an n-gon, channels, creases that outlast OpenSubdiv's isolation level: its surface is far from the limit
+// there, and still what it should be.
+TEST_F(BenchProgram, runs_a_model_that_has_everything) {
+    const Outcome outcome =
+        run("bench " LIMN_DEMO_MODEL " --quick --only patch_table,patch_eval,osd_interop,edit --json out.json");
+    ASSERT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_EQ(outcome.errors, "");
+    const Json json = read_json("out.json");
+    std::vector<std::string> evaluators;
+    for (const Json& row : json["rows"])
+        if (row["scenario"] == "osd_interop" || row["scenario"] == "patch_eval") evaluators.push_back(row["evaluator"]);
+    for (const char* name : {"limn_trees", "limn_osd", "osd_cpu", "osd_omp_xyzw"})
+        EXPECT_NE(std::find(evaluators.begin(), evaluators.end(), name), evaluators.end()) << name;
+}
+
 TEST_F(BenchProgram, finds_what_got_slower) {
     write_report("a.json", 1);
     write_report("b.json", 1.5);

@@ -36,6 +36,8 @@ set(test_files
     tests/obj_test.cpp
     tests/packed_normal_test.cpp
     tests/c/c_parity_test.cpp
+    tests/c/c_changes_test.cpp
+    tests/c/c_schemes_test.cpp
     tests/c/c_pins.cpp
     tests/baked_file_test.cpp
 )
@@ -184,7 +186,8 @@ if(LIMN_BUILD_VULKAN)
     limn_add_c_test(limn_c_vulkan_test vulkan tests/c/c_vulkan_test.c)
     target_link_libraries(limn_c_vulkan_test PRIVATE limn_vulkan Vulkan::Vulkan)
     limn_add_test(limn_c_parity_test vulkan
-        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_pins.cpp)
+        tests/c/c_vulkan_parity_test.cpp tests/c/c_vulkan_tessellation_test.cpp tests/c/c_vulkan_changes_test.cpp
+        tests/c/c_vulkan_pins.cpp)
     target_link_libraries(limn_c_parity_test PRIVATE limn_vulkan Vulkan::Vulkan)
 
     if(LIMN_SANITIZE)  # drivers leak
@@ -212,11 +215,13 @@ if(LIMN_BUILD_PROGRAM)
     endif()
 endif()
 if(TARGET limn_bench)
-    limn_add_test(limn_bench_test bench tests/bench_test.cpp)
+    limn_add_test(limn_bench_test bench tests/bench_test.cpp tests/osd_samples_test.cpp)
     target_link_libraries(limn_bench_test PRIVATE limn_bench nlohmann_json::nlohmann_json)
     if(LIMN_BUILD_PROGRAM)
         target_sources(limn_bench_test PRIVATE tests/bench_program_test.cpp)
-        target_compile_definitions(limn_bench_test PRIVATE LIMN_PROGRAM="$<TARGET_FILE:limn_program>")
+        target_compile_definitions(limn_bench_test PRIVATE
+            LIMN_PROGRAM="$<TARGET_FILE:limn_program>"
+            LIMN_DEMO_MODEL="${CMAKE_CURRENT_SOURCE_DIR}/tests/shapes/demo.obj")
         add_dependencies(limn_bench_test limn_program)
     endif()
 endif()

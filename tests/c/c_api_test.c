@@ -1,7 +1,8 @@
 /* The C interface as C99 sees it: a cube's limit surface on the CPU, and everything that has to be refused. */
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
-#include <limn/c/limn.h>
+#include <limn/c/limn_changes.h>
+#include <limn/c/limn_schemes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -298,7 +299,77 @@ static void test_async_builds(void) {
     CHECK(limn_async_build_is_ready(NULL) == 0 && limn_async_build_get_progress(NULL) == 0);
 }
 
+/* An edge of the cube is creased, and two cubes are there where one was. */
+static void test_changes(void) {
+    static const uint32_t edge[2] = {0, 1};
+    static const float sharpness = 10;
+    const limn_control_mesh_description d = describe_cube();
+    limn_control_mesh* mesh;
+    limn_editable_mesh* edited;
+    limn_crowd* crowd;
+    limn_mesh_edit edit;
+    limn_edit_work work;
+    limn_crowd_info info;
+    limn_crowd_instance instance;
+    limn_crowd_mesh cubes[2];
+    uint32_t numbers[2];
+    limn_error error;
+    CHECK(limn_control_mesh_create(&d, &mesh, &error) == LIMN_SUCCESS);
+    CHECK(limn_editable_mesh_create(mesh, NULL, NULL, &edited, &error) == LIMN_SUCCESS);
+    memset(&edit, 0, sizeof edit);
+    edit.struct_size = sizeof edit;
+    edit.crease_vertices = edge;
+    edit.crease_vertex_count = 2;
+    edit.crease_sharpness = &sharpness;
+    edit.crease_sharpness_count = 1;
+    work.struct_size = sizeof work;
+    CHECK(limn_editable_mesh_edit(edited, &edit, &work, &error) == LIMN_SUCCESS);
+    CHECK(work.face_count == 6 && work.tessellation == 1);
+    CHECK(limn_crowd_create(NULL, &crowd, &error) == LIMN_SUCCESS);
+    cubes[0].patches = cubes[1].patches = limn_editable_mesh_get_patches(edited);
+    cubes[0].tessellation = cubes[1].tessellation = limn_editable_mesh_get_tessellation(edited);
+    CHECK(limn_crowd_add(crowd, cubes, 2, numbers, &error) == LIMN_SUCCESS && numbers[0] == 0 && numbers[1] == 1);
+    info.struct_size = sizeof info;
+    CHECK(limn_crowd_get_info(crowd, &info, &error) == LIMN_SUCCESS && info.instance_count == 2 && info.layout == 1);
+    instance.struct_size = sizeof instance;
+    CHECK(limn_crowd_get_instance(crowd, 1, &instance, &error) == LIMN_SUCCESS);
+    CHECK(instance.control_points.count == 8 && instance.ptex_faces.count == 6 && instance.mesh_edges.count == 12);
+    CHECK(limn_crowd_remove(crowd, 0, &error) == LIMN_SUCCESS);
+    CHECK(limn_crowd_get_instance(crowd, 0, &instance, &error) == LIMN_ERROR_INDEX_OUT_OF_RANGE && error.element == 0);
+    limn_crowd_destroy(crowd);
+    limn_editable_mesh_destroy(edited);
+    limn_control_mesh_destroy(mesh);
+}
+
+/* Interpolation: the first eight vertices of Kobbelt's surface are the cube's. */
+static void test_schemes(void) {
+    static float points[24], positions[3 * 26];
+    const limn_control_mesh_description d = describe_cube();
+    limn_control_mesh* mesh;
+    limn_scheme_surface* surface;
+    limn_scheme_surface_options options;
+    limn_scheme_surface_info info;
+    limn_error error;
+    int i;
+    for (i = 0; i < 24; ++i) points[i] = (float)cube[i];
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.scheme = "kobbelt";
+    options.level = 1;
+    CHECK(limn_control_mesh_create(&d, &mesh, &error) == LIMN_SUCCESS);
+    CHECK(limn_scheme_surface_create(mesh, &options, &surface, &error) == LIMN_SUCCESS);
+    info.struct_size = sizeof info;
+    CHECK(limn_scheme_surface_get_info(surface, &info, &error) == LIMN_SUCCESS);
+    CHECK(info.vertex_count == 26 && info.face_count == 24 && info.triangle_count == 48 && info.edge_count == 12);
+    CHECK(limn_scheme_surface_apply(surface, points, 24, positions, 78, NULL, 0, &error) == LIMN_SUCCESS);
+    for (i = 0; i < 24; ++i) CHECK(fabs(positions[i] - points[i]) < 1e-6);
+    limn_scheme_surface_destroy(surface);
+    limn_control_mesh_destroy(mesh);
+}
+
 int main(void) {
+    test_changes();
+    test_schemes();
     test_descriptions();
     test_surface();
     test_baked_file();

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "c/c_vulkan_scene.h"
+#include "c/objects.h"
 #include "limn/c/limn_vulkan.h"
 
 namespace limn::vk::test {
+using limn::test::Objects, limn::test::sized;
 
 /// The caller's allocator: memory of kernels is not mapped, so that uploads are staged.
 struct CountingAllocator {
@@ -43,30 +45,6 @@ struct CountingAllocator {
     }
 };
 
-/// Objects of the C interface, destroyed in reverse.
-struct Objects {
-    std::vector<std::pair<void*, void (*)(void*)>> all;
-
-    template <auto destroy, class Object, class Create, class... Args>
-    Object* add(Create create, Args... args) {
-        Object* object = nullptr;
-        limn_error error = {};
-        EXPECT_EQ(create(args..., &object, &error), LIMN_SUCCESS) << error.message;
-        all.push_back({object, [](void* o) { destroy(static_cast<Object*>(o)); }});
-        return object;
-    }
-    ~Objects() {
-        for (; !all.empty(); all.pop_back()) all.back().second(all.back().first);
-    }
-};
-#define LIMN_NEW(objects, type, create, ...) (objects).add<type##_destroy, type>(create, __VA_ARGS__)
-
-template <class Info>
-Info sized() {
-    Info info = {};
-    info.struct_size = sizeof(info);
-    return info;
-}
 inline limn_vk_points points_of(const Buffer& buffer, VkDeviceSize offset = 0) {
     return {buffer.handle, offset, 0, 0, 0};
 }

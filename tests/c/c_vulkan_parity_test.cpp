@@ -4,6 +4,7 @@
 
 namespace limn::vk::test {
 namespace {
+using limn::test::sweep, limn::test::sweep_after;
 
 limn_vk_tessellation_info describe_tessellation(const CDeviceTables& t,
                                                 const limn_vk_tessellated_channel& channel,
@@ -161,43 +162,6 @@ TEST_F(CInterfaceOnVulkan, GivesTheBitsOfTheCppInterface) {
     }
 }
 
-/// Calls `f` with null in place of each pointer that is not `optional` (a bit for each argument) but the last
-/// one, and with wrong sizes of each struct. None of these succeeds, nor crashes.
-template <class Before, class... Parameters, class... Args>
-void sweep_after(const Before& before, limn_result (*f)(Parameters...) noexcept, uint32_t optional,
-                 Args... args) {
-    const std::tuple<Parameters...> good(args...);
-    const auto refused = [&](const std::tuple<Parameters...>& bad, size_t argument) {
-        before();
-        EXPECT_EQ(std::apply(f, bad), LIMN_ERROR_INVALID_ARGUMENT) << "argument " << argument;
-    };
-    const auto sweep_one = [&]<size_t i>(std::integral_constant<size_t, i>) {
-        using Parameter = std::tuple_element_t<i, std::tuple<Parameters...>>;
-        if constexpr (std::is_pointer_v<Parameter> && i + 1 < sizeof...(Parameters)) {
-            auto bad = good;
-            std::get<i>(bad) = nullptr;
-            if ((optional >> i & 1) == 0) refused(bad, i);
-            if constexpr (requires { std::get<i>(good)->struct_size; }) {
-                auto changed = *std::get<i>(good);
-                std::get<i>(bad) = &changed;
-                for (const uint32_t size : {0u, 4u, static_cast<uint32_t>(sizeof(changed)) - 1, 4097u, ~0u}) {
-                    changed.struct_size = size;
-                    refused(bad, i);
-                }
-            }
-        }
-    };
-    [&]<size_t... i>(std::index_sequence<i...>) {
-        (sweep_one(std::integral_constant<size_t, i>()), ...);
-    }
-    (std::index_sequence_for<Parameters...>());
-}
-
-template <class... Parameters, class... Args>
-void sweep(limn_result (*f)(Parameters...) noexcept, uint32_t optional, Args... args) {
-    sweep_after([] {}, f, optional, args...);
-}
-
 TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
     const Inputs in = make_inputs(device());
     CountingAllocator allocator{device()};
@@ -211,15 +175,6 @@ TEST_F(CInterfaceOnVulkan, RefusesNullAndWrongSizes) {
     const CDeviceTables d = upload_in_c(objects, upload, t);
     auto* evaluator = LIMN_NEW(objects, limn_vk_evaluator, limn_vk_evaluator_create, context);
     auto* tessellator = LIMN_NEW(objects, limn_vk_tessellator, limn_vk_tessellator_create, context);
-    const auto out = [&error]<class Object>(Object*) {
-        static Object* object;
-        return std::pair(&object, &error);
-    };
-#define LIMN_SWEEP(f, optional, type, ...)                   \
-    {                                                        \
-        auto [object, e] = out(static_cast<type*>(nullptr)); \
-        sweep(f, optional, __VA_ARGS__, object, e);          \
-    }
     const auto trees = sized<limn_patch_trees_options>();
     const auto topology = sized<limn_tessellation_table_options>();
     const auto grid_options = sized<limn_grid_table_options>();

@@ -1,6 +1,7 @@
 // What the C interface on Vulkan is laid out as: it stays so.
 #include "c/pins.h"
-#include "limn/c/limn_vulkan.h"
+#include "limn/c/limn_vulkan_changes.h"
+#include "limn/c/limn_vulkan_schemes.h"
 
 LIMN_PIN_STRUCT(limn_vk_memory_block, 32, LIMN_AT(memory, 0), LIMN_AT(offset, 8), LIMN_AT(mapped, 16), LIMN_AT(user, 24))
 LIMN_PIN_STRUCT(limn_vk_allocator, 24, LIMN_AT(user, 0), LIMN_AT(allocate, 8), LIMN_AT(free, 16))
@@ -63,3 +64,11 @@ LIMN_PIN_STRUCT(limn_vk_hardware_stages, 80, LIMN_AT(struct_size, 0), LIMN_AT(re
 
 static_assert(LIMN_VK_DEVICE_INDEX == 2 && LIMN_VK_TESSELLATION_FIRST_INSTANCE_0 == 32 &&
               LIMN_VK_PASS_DISPLACEMENT == 32 && LIMN_VK_TESSELLATION_SHADER_ENABLED == 1);
+LIMN_PIN_STRUCT(limn_vk_curvature_info, 112, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(sample_count, 8),
+                LIMN_AT(reserved, 12), LIMN_AT(values, 16), LIMN_AT(curvatures, 48), LIMN_AT(quotients, 80))
+LIMN_PIN_STRUCT(limn_vk_table_update_info, 16, LIMN_AT(struct_size, 0), LIMN_AT(prepare_again, 4),
+                LIMN_AT(copied_bytes, 8))
+LIMN_PIN_STRUCT(limn_vk_tessellation_sources, 32, LIMN_AT(tessellation, 0), LIMN_AT(vertices, 8), LIMN_AT(channels, 16),
+                LIMN_AT(channel_count, 24))
+LIMN_PIN_STRUCT(limn_vk_scheme_surface_info, 112, LIMN_AT(struct_size, 0), LIMN_AT(reserved, 4), LIMN_AT(surface, 8),
+                LIMN_AT(points, 16), LIMN_AT(positions, 48), LIMN_AT(normals, 80))

@@ -1,5 +1,6 @@
 /* From a mesh to the command for vkCmdDrawIndexedIndirect, in C99: a cube, on limn's own device, validation layers on. */
-#include <limn/c/limn_vulkan.h>
+#include <limn/c/limn_vulkan_changes.h>
+#include <limn/c/limn_vulkan_schemes.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>

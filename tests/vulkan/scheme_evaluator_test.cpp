@@ -68,6 +68,14 @@ TEST_F(SchemeEvaluatorTest, GivesTheSameWhereStorageBuffersAreRead) {
     expect_surface(evaluate(0, 6), 0, 6);
 }
 
+TEST_F(SchemeEvaluatorTest, SaysWhatMemoryAnUploadTakes) {
+    const auto need = upload_memory(surface_);
+    const auto uploaded = upload_scheme_surface(device(), surface_);
+    ASSERT_TRUE(need && uploaded);
+    EXPECT_EQ(need->device_bytes, uploaded->bytes());
+    EXPECT_EQ(need->buffer_count, uploaded->tables.size() + 1);
+}
+
 /// A comparison that could not fail would be none.
 TEST_F(SchemeEvaluatorTest, SeesAPerturbedVertex) {
     std::vector<float> values = evaluate(0, 6);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "limn/c/limn.h"
@@ -46,6 +47,9 @@ namespace limn::c {
 
 /// The code, and the rest where the caller wants to know.
 limn_result report(const Error& error, limn_error* out);
+inline limn_result report(const Result<void>& done, limn_error* out) {
+    return done ? LIMN_SUCCESS : report(done.error(), out);
+}
 
 inline Error bad_argument(std::string message) {
     return {ErrorCode::invalid_argument, std::move(message)};
@@ -72,12 +76,25 @@ Result<T> read_struct(const T* given, uint32_t first_bytes = sizeof(T)) {
     return known;
 }
 
+/// The options given, or all zero where there are none.
+template <class T>
+Result<T> read_optional(const T* given) {
+    return given != nullptr ? read_struct(given) : Result<T>(T{});
+}
+
+/// Whether there is room for all that is known.
+template <class T>
+Result<void> check_room(const T* info) {
+    if (info == nullptr) return bad_argument("info is null");
+    if (info->struct_size < sizeof(T) || info->struct_size > 4096)
+        return bad_argument("struct_size is not the size of the struct");
+    return {};
+}
+
 /// Fills as much of `info` as its struct_size says.
 template <class T>
 limn_result write_struct(T known, T* info, limn_error* error) {
-    if (info == nullptr) return report(bad_argument("info is null"), error);
-    if (info->struct_size < sizeof(T) || info->struct_size > 4096)
-        return report(bad_argument("struct_size is not the size of the struct"), error);
+    if (const auto room = check_room(info); !room) return report(room.error(), error);
     known.struct_size = info->struct_size;
     std::memcpy(info, &known, sizeof(known));
     return LIMN_SUCCESS;
@@ -112,6 +129,19 @@ struct Reader {
         if ((given & ~known) != 0) fail("a flag is not known");
     }
 };
+
+/// What the object holds, or null where there is none.
+template <class Object>
+auto value_of(const Object* object) -> decltype(&object->value) {
+    return object != nullptr ? &object->value : nullptr;
+}
+
+/// A part of something else as the object that holds such a part and nothing beside it.
+template <class Object>
+const Object* as_object(const decltype(Object::value)* part) {
+    static_assert(std::is_standard_layout_v<Object> && sizeof(Object) == sizeof(*part));
+    return reinterpret_cast<const Object*>(part);
+}
 
 /// Hands a result out as a new object.
 template <class T, class Object>

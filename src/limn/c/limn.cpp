@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "limn/c/interop.h"
+#include "limn/curvature.h"
 #include "limn/evaluate.h"
 
 namespace limn::c {
@@ -23,6 +24,12 @@ static_assert(sizeof(limn_patch_sample) == sizeof(PatchSample) &&
               offsetof(limn_patch_sample, u) == offsetof(PatchSample, u) &&
               offsetof(limn_patch_sample, v) == offsetof(PatchSample, v));
 static_assert(sizeof(limn_sample_status) == sizeof(SampleStatus));
+static_assert(sizeof(limn_curvature) == sizeof(Curvature) &&
+              offsetof(limn_curvature, mean) == offsetof(Curvature, mean) &&
+              offsetof(limn_curvature, first) == offsetof(Curvature, first) &&
+              offsetof(limn_curvature, second) == offsetof(Curvature, second) &&
+              offsetof(limn_curvature, first_direction) == offsetof(Curvature, first_direction) &&
+              offsetof(limn_curvature, second_direction) == offsetof(Curvature, second_direction));
 
 constexpr Scheme kSchemes[] = {Scheme::catmull_clark, Scheme::loop, Scheme::bilinear, Scheme::doo_sabin};
 constexpr BoundaryInterpolation kBoundaries[] = {
@@ -115,6 +122,18 @@ limn_result create_patch_table(const limn_control_mesh* mesh, const limn_patch_t
     const auto read = read_patch_table_options(options);
     if (!read) return report(read.error(), error);
     return give(build(mesh->value, *read, cache != nullptr ? &cache->value : nullptr), table, error);
+}
+
+Result<void> evaluate_curvatures(const double* given, uint64_t value_count, uint32_t width, limn_curvature* out,
+                                 uint64_t count) {
+    Reader reader;
+    if (width != 3 && width != 4) reader.fail("width is neither 3 nor 4");
+    const auto curvatures = reader.array(out, count, "curvatures");
+    const auto values = reader.array(given, value_count, count, 6 * std::max(width, 3u), "results");
+    if (!reader.state) return reader.state;
+    evaluate_curvature(values.first(6 * width * curvatures.size()), width,
+                       {reinterpret_cast<Curvature*>(curvatures.data()), curvatures.size()});
+    return {};
 }
 
 Result<void> evaluate(const PatchTable& table, const limn_patch_evaluation* given) {
@@ -231,4 +250,8 @@ limn_result limn_patch_table_evaluate(const limn_patch_table* table, const limn_
     if (table == nullptr) return report(bad_argument("table is null"), error);
     const auto done = evaluate(table->value, evaluation);
     return done ? LIMN_SUCCESS : report(done.error(), error);
+}
+limn_result limn_evaluate_curvature(const double* results, uint64_t result_value_count, uint32_t width,
+                                    limn_curvature* curvatures, uint64_t curvature_count, limn_error* error) noexcept {
+    return report(evaluate_curvatures(results, result_value_count, width, curvatures, curvature_count), error);
 }

@@ -1,15 +1,15 @@
 // limn for C, and for every language that calls C: control meshes, their tables, and the surface evaluated on the CPU.
 //
-// Objects are opaque and immutable: any number of threads may use them at once. Tables do not refer to what they were
-// made from. Destroying null does nothing. Nothing is thrown, printed, or kept in globals; where host memory is exhausted
-// the program ends.
+// Objects are opaque and, but for those of limn_changes.h, immutable: any number of threads may use them at once.
+// Tables do not refer to what they were made from. Destroying null does nothing. Nothing is thrown, printed, or kept in
+// globals; where host memory is exhausted the program ends.
 //
 // Functions that can fail return LIMN_SUCCESS or an error's code, of which they say more in `error` where that is not
 // null. After an error nothing else has been written, but for null in place of what would have been created.
 //
-// Structs that begin with struct_size may grow: set it to the size of the struct, and all that is not used to zero, which
-// is the default of every member. So programs work with later libraries, and with earlier ones as long as what those do
-// not know is zero. Other structs and all values stay as they are.
+// Structs that begin with struct_size may grow: set it to the size of the struct, and all that is not used to zero,
+// which is the default of every member. So programs work with later libraries, and with earlier ones as long as what
+// those do not know is zero. Other structs and all values stay as they are.
 #ifndef LIMN_C_LIMN_H
 #define LIMN_C_LIMN_H
 
@@ -180,7 +180,7 @@ void limn_async_build_destroy(limn_async_build* build) LIMN_C_NOEXCEPT;
 typedef struct limn_plan_cache limn_plan_cache;
 typedef struct limn_patch_table limn_patch_table;
 
-/// Plans already built, for any number of meshes and threads. It is the one object that changes.
+/// Plans already built, for any number of meshes and threads. It is the one object here that changes.
 limn_result limn_plan_cache_create(limn_plan_cache** cache, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_plan_cache_destroy(limn_plan_cache* cache) LIMN_C_NOEXCEPT;
 
@@ -248,6 +248,22 @@ typedef struct limn_patch_evaluation {
 
 limn_result limn_patch_table_evaluate(const limn_patch_table* table, const limn_patch_evaluation* evaluation,
                                       limn_error* error) LIMN_C_NOEXCEPT;
+
+/// limn::Curvature.
+typedef struct limn_curvature {
+    double gaussian;
+    double mean;
+    double first;  ///< the principal curvatures, first >= second
+    double second;
+    double first_direction[3];
+    double second_direction[3];
+} limn_curvature;
+
+/// The curvature at each sample from its results of LIMN_DERIVATIVES_SECOND; width 3 or, homogeneous, 4:
+/// limn::evaluate_curvature.
+limn_result limn_evaluate_curvature(const double* results, uint64_t result_value_count, uint32_t width,
+                                    limn_curvature* curvatures, uint64_t curvature_count,
+                                    limn_error* error) LIMN_C_NOEXCEPT;
 
 /// The tables of many meshes as one: limn::merge_patch_tables. Control points follow each other in their order.
 limn_result limn_patch_table_create_merged(const limn_patch_table* const* tables, uint64_t table_count,
@@ -353,6 +369,15 @@ limn_result limn_stencil_table_create(const limn_control_mesh* mesh, const limn_
                                       limn_stencil_table** table, limn_error* error) LIMN_C_NOEXCEPT;
 void limn_stencil_table_destroy(limn_stencil_table* table) LIMN_C_NOEXCEPT;
 uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) LIMN_C_NOEXCEPT;  ///< 0 of null
+
+typedef uint32_t limn_stencil_weights;
+enum { LIMN_STENCIL_POINTS = 0, LIMN_STENCIL_TANGENT1 = 1, LIMN_STENCIL_TANGENT2 = 2 };
+
+/// On the CPU, in float: width values for each row, from as many for each point that rows are over. Tangents only of
+/// tables that have some.
+limn_result limn_stencil_table_apply(const limn_stencil_table* table, limn_stencil_weights weights, const float* source,
+                                     uint64_t source_value_count, uint32_t width, float* values, uint64_t value_count,
+                                     limn_error* error) LIMN_C_NOEXCEPT;
 
 typedef struct limn_refined_grid_table limn_refined_grid_table;
 

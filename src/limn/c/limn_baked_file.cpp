@@ -1,8 +1,6 @@
 // The C interface: baked files.
 #include "limn/baked_file.h"
 
-#include <type_traits>
-
 #include "limn/c/interop.h"
 
 struct limn_baked_file {
@@ -11,13 +9,6 @@ struct limn_baked_file {
 
 namespace limn::c {
 namespace {
-
-/// A part of a file as the object that holds such a table and nothing beside it.
-template <class Object>
-const Object* as_object(const decltype(Object::value)* table) {
-    static_assert(std::is_standard_layout_v<Object> && sizeof(Object) == sizeof(*table));
-    return reinterpret_cast<const Object*>(table);
-}
 
 const BakedMesh* mesh_of(const limn_baked_file* file) {
     return file != nullptr ? &file->value.mesh() : nullptr;

@@ -3,15 +3,10 @@
 
 #include "limn/batch.h"
 #include "limn/c/interop.h"
+#include "limn/schemes/scheme_surface.h"
 
 namespace limn::c {
 namespace {
-
-/// The options given, or all zero where there are none.
-template <class T>
-Result<T> read_optional(const T* given) {
-    return given != nullptr ? read_struct(given) : Result<T>(T{});
-}
 
 Result<PatchTreeTable> create_trees(const limn_patch_table* table, const limn_patch_trees_options* given) {
     const auto options = read_optional(given);
@@ -80,6 +75,28 @@ Result<StencilTable> create_stencils(const limn_control_mesh* mesh, const limn_s
     const BuildPart control = control_of(options->control);
     if (limit) return build_limit_table<float>(*base, options->level, tangents, control);
     return build_stencil_table<float>(*base, options->level, interpolation, control);
+}
+
+Result<void> apply(const limn_stencil_table* table, uint32_t weights, const float* source, uint64_t source_count,
+                   uint32_t width, float* values, uint64_t value_count) {
+    if (table == nullptr || width == 0) return bad_argument("table is null, or width is 0");
+    const StencilTable& t = table->value;
+    Reader reader;
+    if (weights > LIMN_STENCIL_TANGENT2) reader.fail("there are no such weights");
+    if (weights != LIMN_STENCIL_POINTS && t.tangent1_weights.empty() && t.row_count() != 0)
+        reader.fail("the table has no tangents");
+    const auto from = reader.array(source, source_count, t.source_count, width, "source");
+    const auto to = reader.array(values, value_count, t.row_count(), width, "values");
+    if (!reader.state) return reader.state;
+    const auto run = [&](const StencilTable& rows) {
+        apply_stencil_table<float>(rows, from.first(size_t{width} * t.source_count),
+                                   to.first(size_t{width} * t.row_count()), width);
+    };
+    if (weights == LIMN_STENCIL_POINTS)
+        run(t);
+    else
+        run(with_weights(t, weights == LIMN_STENCIL_TANGENT1 ? t.tangent1_weights : t.tangent2_weights));
+    return {};
 }
 
 /// `refine(mesh, options)` makes the level that the table begins with.
@@ -194,6 +211,12 @@ void limn_stencil_table_destroy(limn_stencil_table* table) noexcept {
 }
 uint32_t limn_stencil_table_get_row_count(const limn_stencil_table* table) noexcept {
     return table != nullptr ? table->value.row_count() : 0;
+}
+
+limn_result limn_stencil_table_apply(const limn_stencil_table* table, limn_stencil_weights weights, const float* source,
+                                     uint64_t source_value_count, uint32_t width, float* values, uint64_t value_count,
+                                     limn_error* error) noexcept {
+    return report(apply(table, weights, source, source_value_count, width, values, value_count), error);
 }
 
 limn_result limn_refined_grid_table_create(const limn_control_mesh* mesh, const limn_refined_grid_table_options* options,

@@ -72,23 +72,6 @@ Result<vk::Context> create_headless(const limn_vk_context_options* given) {
         {.device_index = device, .validation = (options->flags & LIMN_VK_CONTEXT_VALIDATION) != 0});
 }
 
-/// `record(device, commands)` returns a table and the staging memory that it is read from.
-template <class Object, class From, class Record>
-limn_result upload_table(limn_vk_upload* upload, const From* from, Object** table, limn_error* error,
-                         const Record& record) {
-    return create(table, error, [&]() -> Result<decltype(Object::value)> {
-        if (upload == nullptr) return bad_argument("upload is null");
-        if (from == nullptr) return bad_argument("the table to upload is null");
-        auto recorded = record(upload->device, upload->commands, from->value);
-        if (!recorded) return recorded.error();
-        if constexpr (std::is_same_v<decltype(recorded->staging), vk::Buffer>)
-            upload->staging.push_back(std::move(recorded->staging));
-        else
-            for (vk::Buffer& buffer : recorded->staging) upload->staging.push_back(std::move(buffer));
-        return std::move(recorded->table);
-    });
-}
-
 }  // namespace
 }  // namespace limn::c
 

@@ -296,6 +296,26 @@ typedef struct limn_vk_refined_info {
 limn_result limn_vk_evaluator_prepare_refined(const limn_vk_evaluator* evaluator, const limn_vk_refined_info* info,
                                               limn_vk_evaluation** evaluation, limn_error* error) LIMN_C_NOEXCEPT;
 
+/// Pipelines that make curvatures.
+typedef struct limn_vk_curvature_evaluator limn_vk_curvature_evaluator;
+limn_result limn_vk_curvature_evaluator_create(const limn_vk_context* context, limn_vk_curvature_evaluator** evaluator,
+                                               limn_error* error) LIMN_C_NOEXCEPT;
+void limn_vk_curvature_evaluator_destroy(limn_vk_curvature_evaluator* evaluator) LIMN_C_NOEXCEPT;
+
+/// limn::vk::CurvatureInfo: behind samples of LIMN_DERIVATIVES_SECOND, a barrier in between.
+typedef struct limn_vk_curvature_info {
+    uint32_t struct_size;
+    uint32_t width;  ///< 3 or, homogeneous, 4; 0: 3
+    uint32_t sample_count;
+    uint32_t reserved;          ///< 0
+    limn_vk_points values;      ///< limn_vk_samples_info::results
+    limn_vk_points curvatures;  ///< 10 floats for each sample, as limn_curvature
+    limn_vk_points quotients;   ///< optional, of width 4: 18 floats for each sample, the values divided
+} limn_vk_curvature_info;
+limn_result limn_vk_curvature_evaluator_prepare(const limn_vk_curvature_evaluator* evaluator,
+                                                const limn_vk_curvature_info* info, limn_vk_evaluation** evaluation,
+                                                limn_error* error) LIMN_C_NOEXCEPT;
+
 // Tessellation
 
 /// Pipelines that make triangles.

@@ -1,9 +1,12 @@
-// The C interface on Vulkan: points, stencils, grids, samples.
+// The C interface on Vulkan: points, stencils, grids, samples, curvatures.
 #include "limn/c/vulkan_interop.h"
 
 struct limn_vk_evaluator {
     limn::vk::Evaluator stencils;
     limn::vk::SurfaceEvaluator surfaces;
+};
+struct limn_vk_curvature_evaluator {
+    limn::vk::CurvatureEvaluator value;
 };
 
 namespace limn::c {
@@ -16,25 +19,6 @@ Result<limn_vk_evaluator> create_evaluator(const limn_vk_context* context) {
     auto surfaces = vk::SurfaceEvaluator::create(context->value->device());
     if (!surfaces) return surfaces.error();
     return limn_vk_evaluator{std::move(*stencils), std::move(*surfaces)};
-}
-
-/// Reads the info, and has `make(info, width, reader)` prepare what it says.
-template <class Info, class Make>
-limn_result prepare(const limn_vk_evaluator* evaluator, const Info* given, limn_vk_evaluation** evaluation,
-                    limn_error* error, const Make& make) {
-    return create(evaluation, error, [&]() -> Result<decltype(limn_vk_evaluation::value)> {
-        if (evaluator == nullptr) return bad_argument("evaluator is null");
-        const auto info = read_struct(given);
-        if (!info) return info.error();
-        Reader reader;
-        uint32_t width = 3;
-        if constexpr (requires { info->width; })
-            if (info->width != 0) width = info->width;
-        auto made = make(*info, width, reader);
-        if (!reader.state) return reader.state.error();
-        if (!made) return made.error();
-        return decltype(limn_vk_evaluation::value)(std::move(*made));
-    });
 }
 
 }  // namespace
@@ -152,5 +136,26 @@ limn_result limn_vk_evaluator_prepare_refined(const limn_vk_evaluator* evaluator
                                                     .width = width,
                                                     .source = read_points(reader, i.source, width),
                                                     .refined = read_points(reader, i.refined, width)});
+    });
+}
+
+limn_result limn_vk_curvature_evaluator_create(const limn_vk_context* context, limn_vk_curvature_evaluator** evaluator,
+                                               limn_error* error) noexcept {
+    return create_on_device(context, evaluator, error, vk::CurvatureEvaluator::create);
+}
+void limn_vk_curvature_evaluator_destroy(limn_vk_curvature_evaluator* evaluator) noexcept {
+    delete evaluator;
+}
+
+limn_result limn_vk_curvature_evaluator_prepare(const limn_vk_curvature_evaluator* evaluator,
+                                                const limn_vk_curvature_info* info, limn_vk_evaluation** evaluation,
+                                                limn_error* error) noexcept {
+    return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        if (i.reserved != 0) reader.fail("reserved is not 0");
+        return evaluator->value.prepare({.sample_count = i.sample_count,
+                                         .width = width,
+                                         .values = read_points(reader, i.values, 6 * width),
+                                         .curvatures = read_points(reader, i.curvatures, shared::kCurvatureFloats),
+                                         .quotients = read_points(reader, i.quotients, 18)});
     });
 }

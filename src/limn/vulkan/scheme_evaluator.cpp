@@ -5,6 +5,7 @@
 #include "limn/shared/normals_params.h"
 #include "limn/vulkan/point_buffers.h"
 #include "limn/vulkan/recording.h"
+#include "limn/vulkan/table_upload.h"
 #include "limn_kernels/normals.h"
 #include "limn_kernels/normals_texel.h"
 
@@ -42,28 +43,47 @@ VkDeviceSize DeviceSchemeSurface::bytes() const {
     return sum;
 }
 
-Result<DeviceSchemeSurface> upload_scheme_surface(const Device& device, const SchemeSurface& surface) {
-    DeviceSchemeSurface out;
+Result<SchemeSurfaceUpload> record_scheme_surface_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                         const SchemeSurface& surface) {
+    SchemeSurfaceUpload upload;
+    DeviceSchemeSurface& out = upload.table;
     out.control_count = surface.control_count;
     out.vertex_count = surface.vertex_count;
     out.triangle_count = static_cast<uint32_t>(surface.triangles.size() / 3);
     out.tables.reserve(surface.tables.size() + 1);
-    auto add = [&](const StencilTable& table) -> Result<void> {
-        auto uploaded = upload_stencil_table(device, table);
-        if (!uploaded) return uploaded.error();
-        out.tables.push_back(std::move(*uploaded));
+    const auto add = [&](const StencilTable& table) -> Result<void> {
+        auto recorded = record_stencil_table_upload(device, command_buffer, table);
+        if (!recorded) return recorded.error();
+        out.tables.push_back(std::move(recorded->table));
+        upload.staging.push_back(std::move(recorded->staging));
         return {};
     };
     for (const StencilTable& table : surface.tables)
         if (auto added = add(table); !added) return added.error();
     if (auto added = add(surface.limit); !added) return added.error();
-    const std::span<const uint32_t> triangles(surface.triangles.data(), surface.triangles.size());
-    auto buffer = create_buffer(device, triangles.size_bytes(), kPointUsage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
-                                MemoryUse::device);
+    auto buffer = create_table_buffer(device, command_buffer, surface.triangles.bytes(), upload.staging,
+                                      kPointUsage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     if (!buffer) return buffer.error();
-    out.triangles = std::move(*buffer);
-    if (auto copied = upload_bytes(device, out.triangles, 0, std::as_bytes(triangles)); !copied) return copied.error();
-    return out;
+    if (!surface.triangles.empty()) std::memcpy(buffer->second, surface.triangles.data(), surface.triangles.bytes());
+    out.triangles = std::move(buffer->first);
+    return upload;
+}
+
+Result<MemoryNeed> upload_memory(const SchemeSurface& surface) {
+    auto need = upload_memory(surface.limit);
+    for (const StencilTable& table : surface.tables) {
+        if (!need) break;
+        const auto more = upload_memory(table);
+        if (!more) return more.error();
+        *need += *more;
+    }
+    if (need) *need += table_memory(surface.triangles.bytes());
+    return need;
+}
+
+Result<DeviceSchemeSurface> upload_scheme_surface(const Device& device, const SchemeSurface& surface) {
+    return upload_and_wait(
+        device, [&](VkCommandBuffer commands) { return record_scheme_surface_upload(device, commands, surface); });
 }
 
 struct SchemeEvaluation::State {

@@ -19,6 +19,18 @@ struct DeviceSchemeSurface {
     VkDeviceSize bytes() const;
 };
 
+struct SchemeSurfaceUpload {
+    DeviceSchemeSurface table;
+    std::vector<Buffer> staging;
+};
+
+/// As record_patch_table_upload (surface_tables.h). Owed where triangles are drawn: a barrier from kCopyWrites to
+/// kDrawReads. Errors: too_large, out_of_memory, vulkan_failure.
+Result<SchemeSurfaceUpload> record_scheme_surface_upload(const Device& device, VkCommandBuffer command_buffer,
+                                                         const SchemeSurface& surface);
+/// What an upload takes: all that it makes, byte for byte. Errors: too_large.
+Result<MemoryNeed> upload_memory(const SchemeSurface& surface);
+
 /// Submits, and waits. Errors: invalid_argument (the device has no queue), too_large, out_of_memory, vulkan_failure.
 Result<DeviceSchemeSurface> upload_scheme_surface(const Device& device, const SchemeSurface& surface);
 

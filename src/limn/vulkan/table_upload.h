@@ -20,9 +20,10 @@ inline MemoryNeed table_memory(VkDeviceSize content_bytes) {
 /// A device buffer, and where the host writes its contents: through `staging` where it is not mapped. The copy, with a
 /// barrier to kernel reads, is recorded.
 inline Result<std::pair<Buffer, void*>> create_table_buffer(const Device& device, VkCommandBuffer command_buffer,
-                                                            VkDeviceSize size_bytes, std::vector<Buffer>& staging) {
+                                                            VkDeviceSize size_bytes, std::vector<Buffer>& staging,
+                                                            VkBufferUsageFlags usage = kSourceUsage) {
     size_bytes = table_bytes(size_bytes);
-    auto buffer = create_buffer(device, size_bytes, kSourceUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
+    auto buffer = create_buffer(device, size_bytes, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::device);
     if (!buffer) return buffer.error();
     void* words = buffer->mapped();
     if (words == nullptr) {
