@@ -36,6 +36,22 @@ struct PatchPoints {
 /// size is a bilinear patch, or a linear triangle.
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
 
+/// A quad's net of vertices, row by row; what lies beyond infinitely sharp edges is kInvalidIndex.
+using QuadNet = std::array<uint32_t, 16>;
+/// And the rest of its patch: bit k of `sharp_edges` stands for the edge from corner k to the next one; PatchPoints' crease.
+struct QuadPattern {
+    uint32_t sharp_edges = 0;
+    float crease_sharpness = 0;
+    uint32_t crease_edge = 0;
+
+    bool is_regular() const { return sharp_edges == 0 && crease_sharpness == 0; }
+};
+PatchPoints make_quad_patch(const QuadNet& net, const QuadPattern& pattern);
+/// The other way round, of bicubic patches.
+QuadPattern read_quad_patch(const PatchPoints& patch, QuadNet& net);
+/// Turns it so that alike ones are alike: what is sharp begins at edge 0. The corner that became corner 0.
+uint32_t turn_quad_patch(QuadNet& net, QuadPattern& pattern);
+
 /// Whether a face may be a patch as far as corner c (of a face of the scheme's own size) is concerned.
 bool is_regular_corner(const Topology& t, uint32_t c);
 

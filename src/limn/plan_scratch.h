@@ -2,8 +2,28 @@
 #pragma once
 
 #include "limn/plan_rows.h"
+#include "limn/refinement.h"
 
 namespace limn {
+
+/// The faces around the quad of a star, whose vertices are the points of its ring. Face 0 is the quad.
+struct StarMesh {
+    Topology topology;
+    QuadStar star;  ///< that it was made of
+    // Faces beyond edges of the quad's corners 1 ("next") and 3 ("previous"): those at corner 2, and those across;
+    // then the rest around corner 2.
+    uint32_t side_next = 0, side_previous = 0, far_next = 0, far_previous = 0, rest = 0;
+
+    void make(const SchemeOptions& options, const QuadStar& from);
+    /// The children of edge k of a face, of a star's edge, of a face.
+    uint32_t edge_child(uint32_t face, uint32_t k) const {
+        return child_of_edge(topology, topology.face_edges[4 * face + k]);
+    }
+    uint32_t star_edge_child(uint32_t i) const;
+    uint32_t face_child(uint32_t face) const { return child_of_face(topology, face); }
+    /// Which face lies in the star at `i`.
+    uint32_t star_face(uint32_t i) const { return (i + star.face_count - star.own) % star.face_count; }
+};
 
 struct PlanScratch {
     /// What splitting one face needs, one for each depth.
@@ -17,6 +37,8 @@ struct PlanScratch {
     PlanRows rows;
     LazyRows root;
     Neighborhood hood;
+    LocalPatch patch;
+    StarMesh star;
     std::vector<double> row, lines, child_lines;
 };
 
