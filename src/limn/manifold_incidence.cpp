@@ -42,14 +42,13 @@ struct Fan {
 bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<uint32_t>& twin) {
     const size_t count = corners.size();
     if (count > kMostFaces) return false;
-    fan.next.clear();
-    fan.previous.clear();
-    for (const uint32_t c : corners) {
-        fan.next.push_back(t.face_vertices[t.next_corner(c)]);
-        fan.previous.push_back(t.face_vertices[t.previous_corner(c)]);
-        const uint32_t v = t.face_vertices[c];
-        if (fan.next.back() == v || fan.previous.back() == v || fan.next.back() == fan.previous.back())
-            return false;
+    fan.next.resize(count);
+    fan.previous.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t c = corners[i], v = t.face_vertices[c];
+        const uint32_t next = fan.next[i] = t.face_vertices[t.next_corner(c)];
+        const uint32_t previous = fan.previous[i] = t.face_vertices[t.previous_corner(c)];
+        if (next == v || previous == v || next == previous) return false;
     }
     if (!fan.is_simple()) return false;
     fan.corners.assign(corners.begin(), corners.end());

@@ -185,6 +185,7 @@ void fill_quad(const Topology& t, uint32_t face, const Corner (&corners)[4], Pat
         const int opposite = corner_before(t, static_cast<uint32_t>(beside));
         net_point(out, a + d + kNetAway[(k + 3) & 3]) = vertex_at(t, static_cast<uint32_t>(opposite), 2);
     }
+    out.sharp_edges = sharp_edges;
     extrapolate_net(sharp_edges, out);
 }
 
@@ -250,17 +251,16 @@ PatchPoints make_quad_patch(const QuadNet& net, const QuadPattern& pattern) {
     patch.count = 16;
     patch.crease_sharpness = pattern.crease_sharpness;
     patch.crease_edge = pattern.crease_edge;
+    patch.sharp_edges = pattern.sharp_edges;
     for (uint32_t k = 0; k < 16; ++k) patch.points[k] = vertex(net[k]);
     extrapolate_net(pattern.sharp_edges, patch);
     return patch;
 }
 
 QuadPattern read_quad_patch(const PatchPoints& patch, QuadNet& net) {
-    QuadPattern pattern{0, patch.crease_sharpness, patch.crease_edge};
+    const QuadPattern pattern{patch.sharp_edges, patch.crease_sharpness, patch.crease_edge};
     for (uint32_t k = 0; k < 16; ++k)
-        net[k] = patch.points[k].count == 1 ? patch.points[k].entries[0].index : kInvalidIndex;
-    for (uint32_t k = 0; k < 4; ++k)
-        pattern.sharp_edges |= uint32_t{net[static_cast<size_t>(kNetCorner[k] + kNetAway[k])] == kInvalidIndex} << k;
+        net[k] = pattern.is_outside(k) ? kInvalidIndex : patch.points[k].entries[0].index;
     return pattern;
 }
 
@@ -341,6 +341,7 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
     if (t.size_of_face(face) != size) return false;
     out.crease_sharpness = 0;
     out.crease_edge = 0;
+    out.sharp_edges = 0;
     if (linear) {
         out.kind = size == 3 ? PlanNodeKind::linear : PlanNodeKind::bilinear;
         out.count = size;

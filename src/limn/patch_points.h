@@ -29,6 +29,8 @@ struct PatchPoints {
     /// else 0. The surface then is that of these points refined across that edge.
     float crease_sharpness = 0;
     uint32_t crease_edge = 0;
+    /// Bicubic: bit k stands for the edge from corner k to the next one, beyond which points are extrapolated.
+    uint32_t sharp_edges = 0;
 };
 
 /// False where the face is not regular: anything but 4 (Loop: 6) faces around a smooth corner, 2 (3) beside
@@ -38,13 +40,19 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
 
 /// A quad's net of vertices, row by row; what lies beyond infinitely sharp edges is kInvalidIndex.
 using QuadNet = std::array<uint32_t, 16>;
-/// And the rest of its patch: bit k of `sharp_edges` stands for the edge from corner k to the next one; PatchPoints' crease.
+/// And the rest of its patch, as PatchPoints has it.
 struct QuadPattern {
     uint32_t sharp_edges = 0;
     float crease_sharpness = 0;
     uint32_t crease_edge = 0;
 
     bool is_regular() const { return sharp_edges == 0 && crease_sharpness == 0; }
+    /// Whether point k of the net lies beyond a sharp edge.
+    bool is_outside(uint32_t k) const {
+        const uint32_t edges =
+            uint32_t{k < 4} | uint32_t{k % 4 == 3} << 1 | uint32_t{k >= 12} << 2 | uint32_t{k % 4 == 0} << 3;
+        return (sharp_edges & edges) != 0;
+    }
 };
 PatchPoints make_quad_patch(const QuadNet& net, const QuadPattern& pattern);
 /// The other way round, of bicubic patches.

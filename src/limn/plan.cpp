@@ -297,10 +297,7 @@ PatchPoints read_signature(const std::vector<uint32_t>& signature) {
         const QuadPattern pattern{signature[1], std::bit_cast<float>(signature[2]), 0};
         QuadNet net;
         uint32_t place = 0;
-        for (uint32_t k = 0; k < 16; ++k) {
-            const uint32_t outside = uint32_t{k < 4} | uint32_t{k % 4 == 3} << 1 | uint32_t{k >= 12} << 2 | uint32_t{k % 4 == 0} << 3;
-            net[k] = (pattern.sharp_edges & outside) != 0 ? kInvalidIndex : place++;
-        }
+        for (uint32_t k = 0; k < 16; ++k) net[k] = pattern.is_outside(k) ? kInvalidIndex : place++;
         return make_quad_patch(net, pattern);
     }
     for (size_t at = 1; at < signature.size(); ++patch.count) {

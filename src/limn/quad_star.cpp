@@ -130,17 +130,18 @@ bool has_quad_stars(const Topology& base) {
 namespace {
 
 bool has_duplicates(const std::vector<uint32_t>& ring) {
-    if (ring.size() > 64) {
-        std::vector<uint32_t> sorted = ring;
-        std::sort(sorted.begin(), sorted.end());
-        return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+    // Mostly no two have the same bits.
+    std::array<uint64_t, 64> seen{};
+    bool may_have = false;
+    for (const uint32_t v : ring) {
+        const uint32_t hash = v * 2654435769u >> 20;
+        may_have |= (seen[hash / 64] >> hash % 64 & 1) != 0;
+        seen[hash / 64] |= uint64_t{1} << hash % 64;
     }
-    for (size_t step = 1; step < ring.size(); ++step) {
-        uint32_t same = 0;
-        for (size_t i = step; i < ring.size(); ++i) same |= ring[i] == ring[i - step];
-        if (same != 0) return true;
-    }
-    return false;
+    if (!may_have) return false;
+    std::vector<uint32_t> sorted = ring;
+    std::sort(sorted.begin(), sorted.end());
+    return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
 }
 
 /// What lies around a corner of the base level.
@@ -190,39 +191,36 @@ bool is_smooth(const QuadStar& star) {
            std::all_of(star.sharpness.begin(), star.sharpness.end(), [](float s) { return s == 0; });
 }
 
-/// The star of the base vertex, as it is at level 1.
+/// The star of the base vertex, as it is at level 1, and what lies around it.
 void read_star(const CornerView& at, BaseQuad& out) {
     const Topology& t = at.base;
     const auto edges = static_cast<uint32_t>(at.edges.size()), faces = static_cast<uint32_t>(at.corners.size());
     const bool closed = edges == faces;
+    const uint32_t n = at.size, first = closed ? at.own : 0;
     QuadStar& star = out.star;
     star.face_count = faces;
     star.own = closed ? 0 : at.own;
-    star.opposite = at.size;
+    star.opposite = n;
     star.corner_sharpness = child_sharpness(t.vertex_sharpness[t.face_vertices[at.corner]]);
-    star.sharpness.clear();
-    out.ring.assign(1, t.face_vertices[at.corner]);
-    const uint32_t first = closed ? at.own : 0;
+    star.sharpness.resize(edges);
+    const StarRing ring(star);
+    out.ring.resize(ring.size);
+    uint32_t* to = out.ring.data();
+    *to++ = t.face_vertices[at.corner];
     for (uint32_t i = 0, k = first; i < edges; ++i, k = k + 1 == edges ? 0 : k + 1) {
-        star.sharpness.push_back(child_sharpness(t.edge_sharpness[at.edges[k]]));
-        out.ring.push_back(at.edge_child(at.edges[k]));
+        star.sharpness[i] = child_sharpness(t.edge_sharpness[at.edges[k]]);
+        *to++ = at.edge_child(at.edges[k]);
     }
-    for (uint32_t i = 0, k = first; i < faces; ++i, k = k + 1 == faces ? 0 : k + 1)
-        out.ring.push_back(at.face_child(at.corners[k]));
-}
-
-/// And what lies beyond.
-void read_outside(const CornerView& at, BaseQuad& out) {
-    const uint32_t n = at.size;
-    const StarRing ring(out.star);
-    out.ring.insert(out.ring.end(), {at.vertex_after(1), at.edge_child_after(1), at.vertex_after(n - 1)});
-    if (n != 3) out.ring.push_back(at.edge_child_after(n - 2));
-    if (ring.has_far_next)
-        out.ring.push_back(at.edge_child(at.last_far_edge(static_cast<uint32_t>(at.corners.size()) - 1)));
-    if (ring.has_far_previous) out.ring.push_back(at.edge_child(at.first_far_edge(1)));
+    for (uint32_t i = 0, k = first; i < faces; ++i, k = k + 1 == faces ? 0 : k + 1) *to++ = at.face_child(at.corners[k]);
+    *to++ = at.vertex_after(1);
+    *to++ = at.edge_child_after(1);
+    *to++ = at.vertex_after(n - 1);
+    if (n != 3) *to++ = at.edge_child_after(n - 2);
+    if (ring.has_far_next) *to++ = at.edge_child(at.last_far_edge(faces - 1));
+    if (ring.has_far_previous) *to++ = at.edge_child(at.first_far_edge(1));
     for (uint32_t k = 2; k + 1 < n; ++k) {
-        out.ring.push_back(at.vertex_after(k));
-        if (k + 2 < n) out.ring.push_back(at.edge_child_after(k));
+        *to++ = at.vertex_after(k);
+        if (k + 2 < n) *to++ = at.edge_child_after(k);
     }
 }
 
@@ -278,7 +276,6 @@ bool find_base_quad(const Topology& base, const std::vector<uint8_t>& regular, u
     }
     if (at.edges.size() == at.corners.size() && at.edges.size() < 3) return false;
     read_star(at, out);
-    read_outside(at, out);
     if (has_duplicates(out.ring)) return false;
     if (at.size != 4 && out.star.face_count == 4 && is_smooth(out.star))
         read_from_middle(at, out);
