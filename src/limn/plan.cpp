@@ -315,6 +315,8 @@ NewPlan build_plan(const PlanRequest& request, const SchemeOptions& scheme, cons
     NewPlan out;
     BuiltPlan& plan = *out.plan;
     plan.ring_size = request.ring_size;
+    plan.nodes.reserve(1 + 4 * size_t{options.depth});
+    plan.points.reserve(64 * size_t{options.depth});
     const bool is_ring = request.patch || request.star;
     const size_t count = is_ring ? request.ring_size : request.slots.size();
     VertexRows rows{plan.ring_size, std::vector<double>(count * plan.ring_size, 0.0)};

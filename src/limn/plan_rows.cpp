@@ -65,17 +65,36 @@ void PlanRows::grow() {
     }
 }
 
-void LazyRows::begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count) {
+void LazyRows::begin(const Topology& parent, size_t width, uint32_t count, bool is_star) {
     parent_ = &parent;
-    parent_rows_ = &parent_rows;
-    rows.width = parent_rows.width;
-    if (rows.values.size() < count * rows.width) rows.values.resize(count * rows.width);
+    parent_rows_ = nullptr;
+    above_ = nullptr;
+    is_star_ = is_star;
+    rows.width = width;
+    if (rows.values.size() < count * width) rows.values.resize(count * width);
     made_.assign(count, 0);
     numbers_.assign(count, kInvalidIndex);
 }
 
+void LazyRows::begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count) {
+    begin(parent, parent_rows.width, count, false);
+    parent_rows_ = &parent_rows;
+}
+
+void LazyRows::begin_star(const Topology& parent, size_t width, uint32_t count) {
+    begin(parent, width, count, true);
+}
+
+void LazyRows::begin_star(const Topology& parent, LazyRows& above, const std::vector<uint32_t>& vertices,
+                          uint32_t count) {
+    begin(parent, above.rows.width, count, true);
+    above_ = &above;
+    above_vertices_ = &vertices;
+}
+
 void LazyRows::begin(const VertexRows& known, uint32_t count) {
     rows = known;
+    is_star_ = false;
     made_.assign(count, 1);
     numbers_.assign(count, kInvalidIndex);
 }
@@ -86,16 +105,20 @@ void LazyRows::make(uint32_t v) {
     refinement_row(*parent_, v, Interpolation::vertex, scratch_);
     double* const sum = rows.row(v);
     std::fill_n(sum, rows.width, 0.0);
+    if (parent_rows_ == nullptr && above_ == nullptr) {  // points of the ring themselves
+        for (const RowEntry& e : scratch_) sum[e.index] += e.weight;
+        return;
+    }
     // Three at a time, added one after the other.
     size_t k = 0;
     for (; k + 3 <= scratch_.size(); k += 3) {
-        const double *a = parent_rows_->row(scratch_[k].index), *b = parent_rows_->row(scratch_[k + 1].index),
-                     *c = parent_rows_->row(scratch_[k + 2].index);
+        const double *a = parent_row(scratch_[k].index), *b = parent_row(scratch_[k + 1].index),
+                     *c = parent_row(scratch_[k + 2].index);
         const double wa = scratch_[k].weight, wb = scratch_[k + 1].weight, wc = scratch_[k + 2].weight;
         for (size_t j = 0; j < rows.width; ++j) sum[j] = sum[j] + wa * a[j] + wb * b[j] + wc * c[j];
     }
     for (; k < scratch_.size(); ++k) {
-        const double* from = parent_rows_->row(scratch_[k].index);
+        const double* from = parent_row(scratch_[k].index);
         for (size_t j = 0; j < rows.width; ++j) sum[j] += scratch_[k].weight * from[j];
     }
 }

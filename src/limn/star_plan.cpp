@@ -190,7 +190,6 @@ void PlanWriter::write_star_reference(uint32_t node, uint32_t rotation, const Qu
 void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_rows) {
     StarMesh& mesh = scratch.star;
     QuadStar star = root;
-    const VertexRows* rows = &root_rows;
     uint32_t node = add_nodes(1);
     for (uint32_t depth = 0;; ++depth) {
         PlanScratch::Level& level = scratch.levels[depth];
@@ -198,10 +197,14 @@ void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_ro
         if (depth == 0 && !star.has_finite_sharpness()) {
             level.vertices.resize(plan.ring_size);
             std::iota(level.vertices.begin(), level.vertices.end(), 0u);
-            write_limit_rows(mesh.topology, level.vertices, *rows);
+            write_limit_rows(mesh.topology, level.vertices, root_rows);
         }
         const Topology& t = mesh.topology;
-        level.rows.begin(t, *rows, t.vertex_count + t.face_count + t.edge_count);
+        const uint32_t children = t.vertex_count + t.face_count + t.edge_count;
+        if (depth == 0)
+            level.rows.begin_star(t, plan.ring_size, children);
+        else
+            level.rows.begin_star(t, scratch.levels[depth - 1].rows, scratch.levels[depth - 1].vertices, children);
         const uint32_t first = add_nodes(4);
         plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(PlanNodeKind::split), 0, 0), first};
         ChildGrid grid(mesh);
@@ -223,8 +226,7 @@ void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_ro
         if (const auto pattern = find_pattern(star))
             return write_quad_patch(first, star_net(star, *pattern, ring), *pattern, level.rows);
         if (depth + 1 == options.depth) return write_star_reference(first, 0, star, ring, level.rows);
-        level.part_rows.copy(level.rows, ring);
-        rows = &level.part_rows;
+        for (const uint32_t v : ring) level.rows.row(v);  // while the mesh is that of this level
         node = first;
     }
 }
