@@ -78,7 +78,7 @@ class ChunkWalk {
     /// A face of level 1. `slot`: the corner that it has in common with its parent.
     bool add_child(uint32_t number, uint32_t slot) {
         const Candidate at{number, 0, 1, 0, 0};
-        if (source_->has_stars && find_base_quad(source_->base, source_->regular, first_child_ + number, quad_)) {
+        if (source_->has_stars && find_base_quad(source_->base, first_child_ + number, quad_)) {
             add_quad(at, slot + quad_.corner);
             return true;
         }

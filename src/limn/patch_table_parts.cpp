@@ -64,7 +64,7 @@ class PlanFinder {
         if (const uint32_t known = plans_.find(hash); known != kInvalidIndex) return known;
         const uint32_t child = first_child_face(source_.base, first_face) + first.face;
         const bool is_quad =
-            first.refined != 0 && source_.has_stars && find_base_quad(source_.base, source_.regular, child, quad_);
+            first.refined != 0 && source_.has_stars && find_base_quad(source_.base, child, quad_);
         const uint32_t number =
             is_quad ? find_quad()
                     : find_face(first.refined != 0 ? level1.child : source_.base,
@@ -133,14 +133,15 @@ Result<void> find_plans(const CandidateSource& source,
 std::vector<uint32_t> find_used_children(const Topology& base, const Candidates& candidates,
                                          const BuildPart& part) {
     std::vector<uint32_t> uses(level1_vertex_count(base), 0);
+    uint32_t* const to = uses.data();
     for_each_index(
         candidates.chunk_count(), part,
         [&](uint32_t k) {
-            const CandidateChunk& chunk = *candidates.chunks[k];
-            for_each_ring(chunk, [&](const Candidate& at, uint32_t, uint32_t first) {
+            const uint32_t* const rings = candidates.chunks[k]->rings.data();
+            for_each_ring(*candidates.chunks[k], [&](const Candidate& at, uint32_t, uint32_t first) {
                 if (at.refined == 0) return;
-                for (size_t i = first; i < first + at.ring_size; ++i)
-                    std::atomic_ref(uses[chunk.rings[i]]).store(1, std::memory_order_relaxed);
+                for (uint32_t i = first; i < first + at.ring_size; ++i)
+                    std::atomic_ref(to[rings[i]]).store(1, std::memory_order_relaxed);
             });
         },
         4);

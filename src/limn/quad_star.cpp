@@ -264,17 +264,18 @@ QuadNet regular_net(const CornerView& at) {
 
 }  // namespace
 
-bool find_base_quad(const Topology& base, const std::vector<uint8_t>& regular, uint32_t corner, BaseQuad& out) {
+bool find_base_quad(const Topology& base, uint32_t corner, BaseQuad& out) {
     const uint32_t v = base.face_vertices[corner];
     if (base.vertex_manifold[v] == 0) return false;
     const CornerView at(base, corner);
     out.corner = 0;
-    if (regular[v] != 0 && at.size == 4) {
+    const bool closed = at.edges.size() == at.corners.size();
+    if (at.size == 4 && closed && at.edges.size() == 4 && base.vertex_rules[v] == VertexRule::smooth) {
         out.pattern = QuadPattern{};
         out.net = regular_net(at);
         return true;
     }
-    if (at.edges.size() == at.corners.size() && at.edges.size() < 3) return false;
+    if (closed && at.edges.size() < 3) return false;
     read_star(at, out);
     if (has_duplicates(out.ring)) return false;
     if (at.size != 4 && out.star.face_count == 4 && is_smooth(out.star))

@@ -69,7 +69,7 @@ struct BaseQuad {
     std::optional<QuadPattern> pattern;  ///< where it is one patch,
     QuadNet net;                         ///< and of what; a regular one has no star
 };
-/// False where the faces around are no fans, or a vertex would be in the ring twice. `regular`: find_regular_vertices.
-bool find_base_quad(const Topology& base, const std::vector<uint8_t>& regular, uint32_t corner, BaseQuad& out);
+/// False where the faces around are no fans, or a vertex would be in the ring of a star twice.
+bool find_base_quad(const Topology& base, uint32_t corner, BaseQuad& out);
 
 }  // namespace limn

@@ -19,15 +19,13 @@ IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPar
         list.words = std::move(indices);
         return list;
     }
-    const size_t count = indices.size();
-    list.words.allocate((count + 1) / 2);
+    const auto pairs = static_cast<uint32_t>(indices.size() / 2);
+    list.words.allocate((indices.size() + 1) / 2);
+    uint32_t* const to = list.words.data();
+    const uint32_t* const from = indices.data();
     for_each_index(
-        static_cast<uint32_t>(list.words.size()), part,
-        [&](uint32_t i) {
-            const size_t k = 2 * size_t{i};
-            list.words[i] = indices[k] | (k + 1 < count ? indices[k + 1] << 16 : 0);
-        },
-        1 << 15);
+        pairs, part, [&](uint32_t i) { to[i] = from[2 * size_t{i}] | from[2 * size_t{i} + 1] << 16; }, 1 << 15);
+    if (indices.size() % 2 != 0) list.words.back() = indices.back();
     return list;
 }
 
