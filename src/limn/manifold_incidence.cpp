@@ -46,8 +46,8 @@ bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<u
     fan.previous.resize(count);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t c = corners[i], v = t.face_vertices[c];
-        const uint32_t next = fan.next[i] = t.face_vertices[t.next_corner(c)];
-        const uint32_t previous = fan.previous[i] = t.face_vertices[t.previous_corner(c)];
+        const uint32_t next = fan.next[i] = t.face_vertices[next_in_face(t, c)];
+        const uint32_t previous = fan.previous[i] = t.face_vertices[previous_in_face(t, c)];
         if (next == v || previous == v || next == previous) return false;
     }
     if (!fan.is_simple()) return false;
@@ -59,12 +59,12 @@ bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<u
         fan.next[at] = kInvalidIndex;  // not to be found again
         if (i + 1 == count) break;
         at = fan.find_next(vertex);
-        if (at == count || t.face_of_corner(fan.corners[at]) == t.face_of_corner(corner)) return false;
-        twin[fan.corners[at]] = t.previous_corner(corner);
+        if (at == count || face_at(t, fan.corners[at]) == face_at(t, corner)) return false;
+        twin[fan.corners[at]] = previous_in_face(t, corner);
     }
     // The last face closes the fan, or ends at another boundary edge.
-    const uint32_t last = t.previous_corner(corners[count - 1]);
-    const bool closed = t.face_vertices[last] == t.face_vertices[t.next_corner(corners[0])];
+    const uint32_t last = previous_in_face(t, corners[count - 1]);
+    const bool closed = t.face_vertices[last] == t.face_vertices[next_in_face(t, corners[0])];
     if (closed && count == 1) return false;
     twin[corners[0]] = closed ? last : kInvalidIndex;
     return true;
@@ -120,7 +120,7 @@ void number_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart& par
         for (uint32_t c = begin; c != end; ++c) {
             if (!begins_edge(c, twin[c])) continue;
             t.edge_vertices[2 * size_t{edge}] = t.face_vertices[c];
-            t.edge_vertices[2 * size_t{edge} + 1] = t.face_vertices[t.next_corner(c)];
+            t.edge_vertices[2 * size_t{edge} + 1] = t.face_vertices[next_in_face(t, c)];
             t.edge_corner_offsets[edge] = at;
             t.edge_corners[at++] = c;
             t.face_edges[c] = edge;
@@ -148,7 +148,7 @@ void list_vertex_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart
         const auto corners = t.corners_of_vertex(v);
         for (const uint32_t c : corners) t.vertex_edges[at++] = t.face_edges[c];
         if (at != t.vertex_edge_offsets[v + 1])
-            t.vertex_edges[at] = t.face_edges[t.previous_corner(corners.back())];
+            t.vertex_edges[at] = t.face_edges[previous_in_face(t, corners.back())];
     });
 }
 

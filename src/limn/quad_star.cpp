@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "limn/refinement.h"
+#include "limn/topology_build.h"
 
 namespace limn {
 namespace {
@@ -154,7 +155,7 @@ struct CornerView {
     CornerView(const Topology& t, uint32_t c)
         : base(t),
           corner(c),
-          face(t.face_of_corner(c)),
+          face(face_at(t, c)),
           begin(t.face_begin(face)),
           size(t.size_of_face(face)),
           corners(t.corners_of_vertex(t.face_vertices[c])),
@@ -169,12 +170,12 @@ struct CornerView {
     uint32_t vertex_after(uint32_t steps) const { return base.face_vertices[after(steps)]; }
     uint32_t edge_child(uint32_t e) const { return child_of_edge(base, e); }
     uint32_t edge_child_after(uint32_t steps) const { return edge_child(base.face_edges[after(steps)]); }
-    uint32_t face_child(uint32_t c) const { return child_of_face(base, base.face_of_corner(c)); }
+    uint32_t face_child(uint32_t c) const { return child_of_face(base, face_at(base, c)); }
     /// Of the faces some steps around the vertex: the edges that do not touch it, next to its first edge there and to its
     /// last.
-    uint32_t first_far_edge(uint32_t steps) const { return base.face_edges[base.next_corner(around(steps))]; }
+    uint32_t first_far_edge(uint32_t steps) const { return base.face_edges[next_in_face(base, around(steps))]; }
     uint32_t last_far_edge(uint32_t steps) const {
-        return base.face_edges[base.previous_corner(base.previous_corner(around(steps)))];
+        return base.face_edges[previous_in_face(base, previous_in_face(base, around(steps)))];
     }
     uint32_t around(uint32_t steps) const {
         const size_t at = own + steps;
