@@ -52,9 +52,8 @@ class PlanFinder {
 
   private:
     uint32_t find_regular() {
-        PlanRequest request = request_regular_plan(source_.base.options, source_.options.linear);
-        const PlanKey key = request.key;
-        return plans_.find_or_request(key, [&] { return std::move(request); });
+        local_ = make_regular_patch(source_.base.options, source_.options.linear);
+        return find_patch_plan();
     }
     /// Where a hash is known, nothing is looked at again.
     uint32_t find_irregular(const Candidate& first, const CandidateChunk::Kind& kind, uint32_t first_face,
@@ -79,7 +78,7 @@ class PlanFinder {
             return find_patch_plan();
         }
         const PlanKey key = make_star_key(source_.base.options, source_.options, quad_.star);
-        return plans_.find_or_request(key, [&] { return request_star_plan(quad_.star, key); });
+        return plans_.find_or_request(key, [&] { return request_star_plan(quad_.star); });
     }
     uint32_t find_face(const Topology& t, uint32_t face, PlanSource source, uint32_t rotation) {
         if (source == PlanSource::patch) {
@@ -90,11 +89,11 @@ class PlanFinder {
         }
         walk_around({t}, face, {rotation, false}, hood_);
         const PlanKey key = make_plan_key(t, hood_, source_.options);
-        return plans_.find_or_request(key, [&] { return request_plan(t, hood_, rotation, key); });
+        return plans_.find_or_request(key, [&] { return request_plan(t, hood_, rotation); });
     }
     uint32_t find_patch_plan() {
         const PlanKey key = make_patch_key(source_.base.options, local_);
-        return plans_.find_or_request(key, [&] { return request_patch_plan(local_, key); });
+        return plans_.find_or_request(key, [&] { return request_patch_plan(local_); });
     }
 
     const CandidateSource& source_;

@@ -134,14 +134,14 @@ void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face
     Neighborhood& hood = scratch.hood;
     walk_around({t}, face, {corner, false}, hood);
     const PlanKey key = make_plan_key(t, hood, options);
-    write_plan_node(node, corner, key, hood.ring, from, [&] { return request_plan(t, hood, corner, key); });
+    write_plan_node(node, corner, key, hood.ring, from, [&] { return request_plan(t, hood, corner); });
 }
 
 void PlanWriter::write_patch_reference(uint32_t node, const QuadNet& net, const QuadPattern& pattern, LazyRows& from) {
     LocalPatch& local = scratch.patch;
     make_local(net, pattern, local);
     const PlanKey key = make_patch_key(scheme, local);
-    write_plan_node(node, local.rotation, key, local.ring, from, [&] { return request_patch_plan(local, key); });
+    write_plan_node(node, local.rotation, key, local.ring, from, [&] { return request_patch_plan(local); });
 }
 
 bool PlanWriter::write_regular(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
@@ -317,23 +317,23 @@ NewPlan build_plan(const PlanRequest& request, const SchemeOptions& scheme, cons
     plan.ring_size = request.ring_size;
     plan.nodes.reserve(1 + 4 * size_t{options.depth});
     plan.points.reserve(64 * size_t{options.depth});
-    const bool is_ring = request.patch || request.star;
-    const size_t count = is_ring ? request.ring_size : request.slots.size();
+    const bool is_part = request.part != nullptr;
+    const size_t count = is_part ? request.slots.size() : request.ring_size;
     VertexRows rows{plan.ring_size, std::vector<double>(count * plan.ring_size, 0.0)};
-    for (uint32_t v = 0; v < count; ++v) rows.row(v)[is_ring ? v : request.slots[v]] = 1;
+    for (uint32_t v = 0; v < count; ++v) rows.row(v)[is_part ? request.slots[v] : v] = 1;
     scratch.rows.begin(plan);
     PlanWriter writer{scheme, options, known, out, plan, scratch};
-    if (request.patch)
-        writer.write_patch_root(*request.patch, rows);
+    if (is_part)
+        writer.write_root(*request.part, rows);
     else if (request.star)
         writer.write_star_root(*request.star, rows);
     else
-        writer.write_root(request.part, rows);
+        writer.write_patch_root(read_signature(request.patch), rows);
     scratch.rows.end();
     return out;
 }
 
-PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
+LocalPatch make_regular_patch(const SchemeOptions& options, bool linear) {
     const bool triangles = options.scheme == Scheme::loop;
     PatchPoints patch;
     patch.count = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
@@ -345,7 +345,7 @@ PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
     }
     LocalPatch local;
     make_local(patch, local);
-    return request_patch_plan(local, make_patch_key(options, local));
+    return local;
 }
 
 PlanKey make_patch_key(const SchemeOptions& options, const LocalPatch& patch) {
@@ -363,19 +363,17 @@ PlanKey make_star_key(const SchemeOptions& scheme, const PlanOptions& options, c
     return key;
 }
 
-PlanRequest request_star_plan(const QuadStar& star, PlanKey key) {
+PlanRequest request_star_plan(const QuadStar& star) {
     PlanRequest request;
-    request.key = std::move(key);
     request.ring_size = StarRing(star).size;
     request.star = star;
     return request;
 }
 
-PlanRequest request_patch_plan(const LocalPatch& patch, PlanKey key) {
+PlanRequest request_patch_plan(const LocalPatch& patch) {
     PlanRequest request;
-    request.key = std::move(key);
     request.ring_size = static_cast<uint32_t>(patch.ring.size());
-    request.patch = read_signature(patch.signature);
+    request.patch = patch.signature;
     return request;
 }
 
@@ -386,13 +384,12 @@ PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOpt
     return key;
 }
 
-PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key) {
+PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner) {
     PlanRequest request;
-    request.key = std::move(key);
     request.ring_size = static_cast<uint32_t>(hood.ring.size());
     std::vector<uint32_t> vertices;
-    request.part = extract_faces(t, hood.faces, vertices);
-    rotate_first_face(request.part, corner);
+    request.part = std::make_unique<Topology>(extract_faces(t, hood.faces, vertices));
+    rotate_first_face(*request.part, corner);
     for (const uint32_t v : vertices)
         request.slots.push_back(
             static_cast<uint32_t>(std::find(hood.ring.begin(), hood.ring.end(), v) - hood.ring.begin()));

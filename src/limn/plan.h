@@ -57,31 +57,31 @@ struct LocalPatch {
 void make_local(const PatchPoints& patch, LocalPatch& out);
 void make_local(QuadNet net, QuadPattern pattern, LocalPatch& out);
 
+/// That of faces that have a regular ring (write_regular_ring).
+LocalPatch make_regular_patch(const SchemeOptions& options, bool linear);
+
 /// A plan to build.
 struct PlanRequest {
-    PlanKey key;
     uint32_t ring_size = 0;
-    /// Of a face that is one patch: this, of places in the ring. Or else
-    std::optional<PatchPoints> patch;
+    /// Of a face that is one patch: its signature. Or else
+    std::vector<uint32_t> patch;
     /// of one that is irregular at a corner: the star there. Or else
     std::optional<QuadStar> star;
     /// a face of some topology, with its neighbourhood walked from choose_plan_corner: turned so that the corner is 0, and
     /// those around it,
-    Topology part;
+    std::unique_ptr<Topology> part;
     std::vector<uint32_t> slots;  ///< and the place in the ring of each vertex of `part`.
 };
-/// The plan of faces that have a regular ring (write_regular_ring).
-PlanRequest request_regular_plan(const SchemeOptions& options, bool linear);
 /// What all keys of a mesh begin with.
 PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options);
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options);
-PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key);
+PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner);
 /// Of patches.
 PlanKey make_patch_key(const SchemeOptions& options, const LocalPatch& patch);
-PlanRequest request_patch_plan(const LocalPatch& patch, PlanKey key);
+PlanRequest request_patch_plan(const LocalPatch& patch);
 /// Of quads that are irregular at a corner, cut to their sector; those are not one patch.
 PlanKey make_star_key(const SchemeOptions& scheme, const PlanOptions& options, const QuadStar& star);
-PlanRequest request_star_plan(const QuadStar& star, PlanKey key);
+PlanRequest request_star_plan(const QuadStar& star);
 
 /// A plan that a new one refers to, and how to build it unless it is known.
 struct PlanReference {

@@ -27,6 +27,7 @@ struct QuadStar {
     uint32_t edge_after(uint32_t i, uint32_t steps) const { return (i + steps) % edge_count(); }
     uint32_t face_after(uint32_t i, uint32_t steps) const { return (i + steps) % face_count; }
     bool has_finite_sharpness() const;
+    bool operator==(const QuadStar&) const = default;
     /// All that the surface depends on, in numbers.
     void append_to(std::vector<uint32_t>& key) const;
 };

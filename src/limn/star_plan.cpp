@@ -74,26 +74,53 @@ bool have_same_faces(const QuadStar& a, const QuadStar& b) {
     return a.face_count == b.face_count && a.edge_count() == b.edge_count() && a.own == b.own && a.opposite == b.opposite;
 }
 
+/// All values above 1 have the same rows: the child is sharp, too.
+QuadStar without_levels(const QuadStar& star) {
+    const auto level = [](float s) { return s > 1 ? kInfiniteSharpness : s; };
+    QuadStar out = star;
+    out.corner_sharpness = level(star.corner_sharpness);
+    for (float& s : out.sharpness) s = level(s);
+    return out;
+}
+
 }  // namespace
 
-void StarMesh::make(const SchemeOptions& options, const QuadStar& from) {
-    const bool is_made = have_same_faces(star, from);
-    star = from;
-    if (!is_made) {
-        topology.face_size = 4;
-        list_faces(*this);
-        [[maybe_unused]] const bool made = build_manifold_incidence(topology);
-        assert(made);
-        topology.edge_sharpness.assign(topology.edge_count, 0.0f);
-        topology.vertex_sharpness.assign(topology.vertex_count, 0.0f);
-        topology.vertex_manifold.assign(topology.vertex_count, 1);
-        topology.vertex_rules.assign(topology.vertex_count, VertexRule::smooth);
-        topology.face_holes.assign(topology.face_count, 0);
-    }
+StarMesh::StarMesh(const SchemeOptions& options, const QuadStar& from) : star(without_levels(from)) {
     topology.options = options;
-    // As write_corner_rows does it.
-    topology.options.opensubdiv_compatible = false;
+    topology.options.opensubdiv_compatible = false;  // as write_corner_rows does it
+    topology.face_size = 4;
+    list_faces(*this);
+    [[maybe_unused]] const bool made = build_manifold_incidence(topology);
+    assert(made);
+    topology.edge_sharpness.assign(topology.edge_count, 0.0f);
+    topology.vertex_sharpness.assign(topology.vertex_count, 0.0f);
+    topology.vertex_manifold.assign(topology.vertex_count, 1);
+    topology.vertex_rules.assign(topology.vertex_count, VertexRule::smooth);
+    topology.face_holes.assign(topology.face_count, 0);
     set_sharpness(*this);
+    rows.clear(child_count());
+}
+
+void StarMesh::sharpen(const QuadStar& from) {
+    QuadStar next = without_levels(from);
+    if (next == star) return;
+    star = std::move(next);
+    set_sharpness(*this);
+    rows.clear(child_count());
+}
+
+StarMesh& PlanScratch::find_star_mesh(const SchemeOptions& options, const QuadStar& star) {
+    constexpr size_t kMost = 32;
+    const auto at =
+        std::find_if(stars.begin(), stars.end(), [&](const auto& mesh) { return have_same_faces(mesh->star, star); });
+    if (at == stars.end()) {
+        if (stars.size() == kMost) stars.pop_back();
+        stars.insert(stars.begin(), std::make_unique<StarMesh>(options, star));
+    } else {
+        std::rotate(stars.begin(), at, at + 1);
+        stars.front()->sharpen(star);
+    }
+    return *stars.front();
 }
 
 uint32_t StarMesh::star_edge_child(uint32_t i) const {
@@ -184,27 +211,25 @@ QuadPattern side_pattern(float sharpness, uint32_t edge) {
 void PlanWriter::write_star_reference(uint32_t node, uint32_t rotation, const QuadStar& star,
                                       const std::vector<uint32_t>& ring, LazyRows& from) {
     const PlanKey key = make_star_key(scheme, options, star);
-    write_plan_node(node, rotation, key, ring, from, [&] { return request_star_plan(star, key); });
+    write_plan_node(node, rotation, key, ring, from, [&] { return request_star_plan(star); });
 }
 
 void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_rows) {
-    StarMesh& mesh = scratch.star;
     QuadStar star = root;
     uint32_t node = add_nodes(1);
     for (uint32_t depth = 0;; ++depth) {
         PlanScratch::Level& level = scratch.levels[depth];
-        mesh.make(scheme, star);
+        StarMesh& mesh = scratch.find_star_mesh(scheme, star);
         if (depth == 0 && !star.has_finite_sharpness()) {
             level.vertices.resize(plan.ring_size);
             std::iota(level.vertices.begin(), level.vertices.end(), 0u);
             write_limit_rows(mesh.topology, level.vertices, root_rows);
         }
-        const Topology& t = mesh.topology;
-        const uint32_t children = t.vertex_count + t.face_count + t.edge_count;
         if (depth == 0)
-            level.rows.begin_star(t, plan.ring_size, children);
+            level.rows.begin_star(mesh.topology, mesh.rows, plan.ring_size, mesh.child_count());
         else
-            level.rows.begin_star(t, scratch.levels[depth - 1].rows, scratch.levels[depth - 1].vertices, children);
+            level.rows.begin_star(mesh.topology, mesh.rows, scratch.levels[depth - 1].rows,
+                                  scratch.levels[depth - 1].vertices, mesh.child_count());
         const uint32_t first = add_nodes(4);
         plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(PlanNodeKind::split), 0, 0), first};
         ChildGrid grid(mesh);
@@ -226,7 +251,7 @@ void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_ro
         if (const auto pattern = find_pattern(star))
             return write_quad_patch(first, star_net(star, *pattern, ring), *pattern, level.rows);
         if (depth + 1 == options.depth) return write_star_reference(first, 0, star, ring, level.rows);
-        for (const uint32_t v : ring) level.rows.row(v);  // while the mesh is that of this level
+        for (const uint32_t v : ring) level.rows.row(v);  // while there is this mesh
         node = first;
     }
 }
