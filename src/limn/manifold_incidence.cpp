@@ -73,7 +73,7 @@ bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<u
 /// Orders all fans. False where one is none.
 bool order_fans(Topology& t, Array<uint32_t>& twin, const BuildPart& part) {
     std::atomic<bool> fits = true;
-    for_each_block(t.vertex_count, part, 1024, [&](uint32_t begin, uint32_t end) {
+    for_each_block(t.vertex_count, part, 256, [&](uint32_t begin, uint32_t end) {
         Fan fan;
         for (uint32_t v = begin; v != end && fits.load(std::memory_order_relaxed); ++v) {
             const uint32_t first = t.vertex_corner_offsets[v], count = t.vertex_corner_offsets[v + 1] - first;
@@ -90,7 +90,7 @@ bool begins_edge(uint32_t corner, uint32_t twin) {
 
 /// Numbers edges by the corners where they appear first.
 void number_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart& part) {
-    constexpr uint32_t kBlock = 16384;
+    constexpr uint32_t kBlock = 2048;
     struct Count {
         uint32_t edges = 0, corners = 0;  // before a block
     };

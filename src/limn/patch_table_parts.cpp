@@ -143,7 +143,7 @@ std::vector<uint32_t> find_used_children(const Topology& base, const Candidates&
                     std::atomic_ref(to[rings[i]]).store(1, std::memory_order_relaxed);
             });
         },
-        4);
+        2);
     return uses;
 }
 
@@ -256,7 +256,7 @@ void write_surfaces(const CandidateSource& source, const PatchTableParts<Real>& 
                     static_cast<uint32_t>(place.first_ring) + first};
             });
         },
-        4);
+        2);
 }
 
 template <class Real>
@@ -288,7 +288,7 @@ void write_rings(const Array<uint32_t>& control_indices, const PatchTableParts<R
                     std::copy(rings.begin() + first, rings.begin() + end, to + first);
             });
         },
-        4);
+        2);
     table.ring_points = pack_indices(std::move(points), table.point_count(), part.part(0.9f, 1));
 }
 
