@@ -302,6 +302,20 @@ TEST(PatchTable, patches_along_creases_are_plans_that_others_share) {
     EXPECT_EQ(crease_sizes.size(), 10u);  // 9.5 on whole faces, 8.5 to 0.5 below
 }
 
+TEST(PatchTable, plans_have_corner_rows_where_no_patch_ends_at_the_corner) {
+    for (const TestMesh& mesh : all_shapes()) {
+        const auto table = build_patch_table<float>(control_mesh(mesh), {});
+        ASSERT_TRUE(table);
+        for (const Plan& plan : table->plans) {
+            if (plan.has_corner_rows == 0) continue;
+            uint32_t node = 0;
+            while (table->plan_nodes[plan.first_node + node].kind() == PlanNodeKind::split)
+                node = table->plan_nodes[plan.first_node + node].first;
+            EXPECT_EQ(table->plan_nodes[plan.first_node + node].kind(), PlanNodeKind::plan) << mesh.name;
+        }
+    }
+}
+
 TEST(PatchTable, trees_have_no_point_twice) {
     const auto table = build_patch_table<float>(crossing_creases(9.5), {});
     ASSERT_TRUE(table);

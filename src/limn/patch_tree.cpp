@@ -206,8 +206,11 @@ struct Grower {
                 next.ring.insert(next.ring.end(), point.begin(), point.end());
             }
             if (budget.is_spent()) return;
-            if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next, size_u);
             const PlanNode& root = table.plan_nodes[table.plans[next.plan].first_node];
+            // Others are patches, and those along creases, which end by themselves.
+            const bool is_irregular = root.kind() == PlanNodeKind::split || root.kind() == PlanNodeKind::plan;
+            if (is_irregular && std::max(size_u, size_v) <= smallest)
+                return add_corner(slot, node.rotation(), next, size_u);
             return grow(slot, node.rotation(), root, next, size_u, size_v);
         }
         if (node.kind() > PlanNodeKind::split_v) return add_patch(slot, rotation, node, visit);

@@ -67,8 +67,8 @@ struct PlanRequest {
     std::vector<uint32_t> patch;
     /// of one that is irregular at a corner: the star there. Or else
     std::optional<QuadStar> star;
-    /// a face of some topology, with its neighbourhood walked from choose_plan_corner: turned so that the corner is 0, and
-    /// those around it,
+    /// a face of some topology, with its neighbourhood walked from choose_plan_corner: turned so that the corner is 0,
+    /// and those around it,
     std::unique_ptr<Topology> part;
     std::vector<uint32_t> slots;  ///< and the place in the ring of each vertex of `part`.
 };

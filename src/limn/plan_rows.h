@@ -75,8 +75,8 @@ class LazyRows {
     void begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count);
     /// Of `count` vertices, whose rows are known.
     void begin(const VertexRows& known, uint32_t count);
-    /// Of the level after that of a star (plan_scratch.h): its vertices are the points of the ring of `width` points or, of a
-    /// deeper level, these ones of `above`. No two rows are equal but those of the star's corner.
+    /// Of the level after that of a star (plan_scratch.h): its vertices are the points of the ring of `width` points
+    /// or, of a deeper level, these ones of `above`. No two rows are equal but those of the star's corner.
     void begin_star(const Topology& parent, RowCache& cache, size_t width, uint32_t count);
     void begin_star(const Topology& parent, RowCache& cache, LazyRows& above, const std::vector<uint32_t>& vertices,
                     uint32_t count);

@@ -171,8 +171,8 @@ struct CornerView {
     uint32_t edge_child(uint32_t e) const { return child_of_edge(base, e); }
     uint32_t edge_child_after(uint32_t steps) const { return edge_child(base.face_edges[after(steps)]); }
     uint32_t face_child(uint32_t c) const { return child_of_face(base, face_at(base, c)); }
-    /// Of the faces some steps around the vertex: the edges that do not touch it, next to its first edge there and to its
-    /// last.
+    /// Of the faces some steps around the vertex: the edges that do not touch it, next to its first edge there and to
+    /// its last.
     uint32_t first_far_edge(uint32_t steps) const { return base.face_edges[next_in_face(base, around(steps))]; }
     uint32_t last_far_edge(uint32_t steps) const {
         return base.face_edges[previous_in_face(base, previous_in_face(base, around(steps)))];
@@ -212,7 +212,8 @@ void read_star(const CornerView& at, BaseQuad& out) {
         star.sharpness[i] = child_sharpness(t.edge_sharpness[at.edges[k]]);
         *to++ = at.edge_child(at.edges[k]);
     }
-    for (uint32_t i = 0, k = first; i < faces; ++i, k = k + 1 == faces ? 0 : k + 1) *to++ = at.face_child(at.corners[k]);
+    for (uint32_t i = 0, k = first; i < faces; ++i, k = k + 1 == faces ? 0 : k + 1)
+        *to++ = at.face_child(at.corners[k]);
     *to++ = at.vertex_after(1);
     *to++ = at.edge_child_after(1);
     *to++ = at.vertex_after(n - 1);
@@ -236,8 +237,8 @@ void read_from_middle(const CornerView& at, BaseQuad& out) {
     out.ring.assign(1, child_of_face(t, at.face));
     for (uint32_t k = n - 1; k < 2 * n - 1; ++k) out.ring.push_back(at.edge_child_after(k % n));
     for (uint32_t k = 0; k < n; ++k) out.ring.push_back(at.vertex_after(k));
-    for (const uint32_t point : {ring.face(1), ring.edge(2), ring.face(3), ring.edge(3), ring.far_previous, ring.far_next,
-                                 ring.face(2)})
+    for (const uint32_t point :
+         {ring.face(1), ring.edge(2), ring.face(3), ring.edge(3), ring.far_previous, ring.far_next, ring.face(2)})
         out.ring.push_back(old[point]);
 }
 

@@ -1,8 +1,8 @@
 // Quads of refined Catmull-Clark meshes, told by the star of one corner. Not part of the public interface.
 //
-// With uniform creasing a quad of level 1 or deeper that lies among fans of faces is irregular at one corner, and where its
-// face was no quad at the opposite one. So a few numbers say what a walk around it finds (neighborhood.h), and its ring is
-// read from the base level: level 1 is not made.
+// With uniform creasing a quad of level 1 or deeper that lies among fans of faces is irregular at one corner, and where
+// its face was no quad at the opposite one. So a few numbers say what a walk around it finds (neighborhood.h), and its
+// ring is read from the base level: level 1 is not made.
 #pragma once
 
 #include <cstdint>
@@ -48,8 +48,8 @@ struct StarRing {
     uint32_t face(uint32_t i) const { return 1 + edge_count + i; }
 };
 
-/// Leaves out what lies beyond infinitely sharp edges on both sides of the quad, if nothing changes from level to level:
-/// the surface does not depend on it. `ring` keeps what stays.
+/// Leaves out what lies beyond infinitely sharp edges on both sides of the quad, if nothing changes from level to
+/// level: the surface does not depend on it. `ring` keeps what stays.
 void cut_to_sector(QuadStar& star, std::vector<uint32_t>& ring);
 
 /// The star of the quad's child at corner 0.
@@ -65,8 +65,8 @@ bool has_quad_stars(const Topology& base);
 /// A quad of level 1: at the corner that it is a child of.
 struct BaseQuad {
     QuadStar star;
-    std::vector<uint32_t> ring;  ///< vertices of level 1
-    uint32_t corner = 0;  ///< of the quad, counted from where the base corner is, that is the star's
+    std::vector<uint32_t> ring;          ///< vertices of level 1
+    uint32_t corner = 0;                 ///< of the quad, counted from where the base corner is, that is the star's
     std::optional<QuadPattern> pattern;  ///< where it is one patch,
     QuadNet net;                         ///< and of what; a regular one has no star
 };

@@ -1,5 +1,5 @@
-// Plans of quads that are irregular at a corner. Each level repeats the one before around that corner, so that the faces around
-// the quad need not be refined: only the rows of vertices that patches and the next level have are made.
+// Plans of quads that are irregular at a corner. Each level repeats the one before around that corner, so that the
+// faces around the quad need not be refined: only the rows of vertices that patches and the next level have are made.
 #include <algorithm>
 #include <cassert>
 #include <numeric>
@@ -40,7 +40,8 @@ void list_faces(StarMesh& mesh) {
     mesh.side_next = faces.add(next, at.beyond_next, at.side_next, middle);
     mesh.side_previous = faces.add(previous, middle, at.side_previous, at.beyond_previous);
     if (at.has_far_next)
-        mesh.far_next = faces.add(next, at.face(star.face_after(star.own, star.face_count - 1)), at.far_next, at.beyond_next);
+        mesh.far_next =
+            faces.add(next, at.face(star.face_after(star.own, star.face_count - 1)), at.far_next, at.beyond_next);
     if (at.has_far_previous)
         mesh.far_previous =
             faces.add(previous, at.beyond_previous, at.far_previous, at.face(star.face_after(star.own, 1)));
@@ -71,7 +72,8 @@ void set_sharpness(StarMesh& mesh) {
 }
 
 bool have_same_faces(const QuadStar& a, const QuadStar& b) {
-    return a.face_count == b.face_count && a.edge_count() == b.edge_count() && a.own == b.own && a.opposite == b.opposite;
+    return a.face_count == b.face_count && a.edge_count() == b.edge_count() && a.own == b.own &&
+           a.opposite == b.opposite;
 }
 
 /// All values above 1 have the same rows: the child is sharp, too.
@@ -220,7 +222,8 @@ void PlanWriter::write_star_root(const QuadStar& root, const VertexRows& root_ro
     for (uint32_t depth = 0;; ++depth) {
         PlanScratch::Level& level = scratch.levels[depth];
         StarMesh& mesh = scratch.find_star_mesh(scheme, star);
-        if (depth == 0 && !star.has_finite_sharpness()) {
+        // Where the corner itself is regular, its first child is a patch: evaluation must not end at the corner.
+        if (depth == 0 && !star.has_finite_sharpness() && !find_pattern(child_star(star))) {
             level.vertices.resize(plan.ring_size);
             std::iota(level.vertices.begin(), level.vertices.end(), 0u);
             write_limit_rows(mesh.topology, level.vertices, root_rows);
