@@ -133,13 +133,17 @@ set(limn_files
     src/limn/patch_table.h
     src/limn/patch_points.h
     src/limn/patch_points.cpp
+    src/limn/quad_star.h
+    src/limn/quad_star.cpp
     src/limn/gregory.h
     src/limn/gregory.cpp
     src/limn/plan.h
     src/limn/plan_rows.h
     src/limn/plan_rows.cpp
     src/limn/plan_scratch.h
+    src/limn/plan_writer.h
     src/limn/plan.cpp
+    src/limn/star_plan.cpp
     src/limn/plan_set.h
     src/limn/plan_set.cpp
     src/limn/refined_points.h
@@ -384,10 +388,12 @@ set(private_headers
     src/limn/face_numbers.h
     src/limn/face_groups.h
     src/limn/patch_points.h
+    src/limn/quad_star.h
     src/limn/gregory.h
     src/limn/plan.h
     src/limn/plan_rows.h
     src/limn/plan_scratch.h
+    src/limn/plan_writer.h
     src/limn/plan_set.h
     src/limn/refined_points.h
     src/limn/candidates.h

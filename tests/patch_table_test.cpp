@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <thread>
 
 #include "limn/evaluate.h"
+#include "limn/patch_tree.h"
 #include "shapes/random_mesh.h"
 #include "shapes/shapes.h"
 
@@ -270,6 +272,70 @@ TEST(PatchTable, alike_neighbourhoods_of_different_meshes_share_plans) {
     // A plan that turned faces cannot share is a regular one, whose corners all look alike.
     EXPECT_LE(cache.size(), plans + 3);
     EXPECT_LT(small->plans.size(), 20u);
+}
+
+/// Two semi-sharp creases that cross.
+ControlMesh crossing_creases(double sharpness) {
+    TestMesh mesh = make_grid(6, 6);
+    mesh.add_crease_path({21, 22, 23, 24, 25, 26, 27}, sharpness);
+    mesh.add_crease_path({3, 10, 17, 24, 31, 38, 45}, sharpness);
+    return control_mesh(mesh);
+}
+
+TEST(PatchTable, patches_along_creases_are_plans_that_others_share) {
+    const auto table = build_patch_table<float>(crossing_creases(9.5), {});
+    ASSERT_TRUE(table);
+    std::set<size_t> crease_sizes;
+    for (size_t p = 0; p < table->plans.size(); ++p) {
+        const size_t first = table->plans[p].first_node;
+        const size_t end = p + 1 < table->plans.size() ? table->plans[p + 1].first_node : table->plan_nodes.size();
+        const auto is_half = [](const PlanNode& node) {
+            return node.kind() == PlanNodeKind::split_u || node.kind() == PlanNodeKind::split_v;
+        };
+        if (!is_half(table->plan_nodes[first])) {
+            EXPECT_TRUE(std::none_of(table->plan_nodes.begin() + first, table->plan_nodes.begin() + end, is_half));
+            continue;
+        }
+        // One for each sharpness that there is on the way down, wherever the crease lies.
+        EXPECT_TRUE(crease_sizes.insert(end - first).second);
+    }
+    EXPECT_EQ(crease_sizes.size(), 10u);  // 9.5 on whole faces, 8.5 to 0.5 below
+}
+
+TEST(PatchTable, plans_have_corner_rows_where_no_patch_ends_at_the_corner) {
+    for (const TestMesh& mesh : all_shapes()) {
+        const auto table = build_patch_table<float>(control_mesh(mesh), {});
+        ASSERT_TRUE(table);
+        for (const Plan& plan : table->plans) {
+            if (plan.has_corner_rows == 0) continue;
+            uint32_t node = 0;
+            while (table->plan_nodes[plan.first_node + node].kind() == PlanNodeKind::split)
+                node = table->plan_nodes[plan.first_node + node].first;
+            EXPECT_EQ(table->plan_nodes[plan.first_node + node].kind(), PlanNodeKind::plan) << mesh.name;
+        }
+    }
+}
+
+TEST(PatchTable, trees_have_no_point_twice) {
+    const auto table = build_patch_table<float>(crossing_creases(9.5), {});
+    ASSERT_TRUE(table);
+    const auto trees = build_patch_trees(*table, {});
+    ASSERT_TRUE(trees);
+    const GridTable& grid = trees->local_points;
+    for (size_t k = 0; k < grid.classes.size(); ++k) {
+        const GridClass& c = grid.classes[k];
+        std::set<std::vector<float>> rows;
+        uint32_t count = 0;
+        for (uint32_t s = 0; s < c.sample_count; ++s) {
+            if (grid.placement_samples[grid.placements[k].first + s] == kInvalidIndex) continue;
+            std::vector<float> row;
+            for (uint32_t j = 0; j < 4 * c.group_count; ++j)
+                row.push_back(grid.weights[4 * (c.first_weight + size_t{j / 4} * c.sample_count + s) + j % 4]);
+            rows.insert(row);
+            ++count;
+        }
+        EXPECT_EQ(rows.size(), count);
+    }
 }
 
 TEST(PatchTable, face_varying_channels_equal_the_limits_of_refined_values) {

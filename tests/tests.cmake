@@ -17,6 +17,7 @@ set(test_files
     tests/refined_grid_test.cpp
     tests/refinement_test.cpp
     tests/stencil_table_test.cpp
+    tests/quad_star_test.cpp
     tests/patch_table_test.cpp
     tests/curvature_test.cpp
     tests/schemes/curve_test.cpp

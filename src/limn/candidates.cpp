@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include "limn/local_refinement.h"
@@ -22,33 +23,6 @@ bool is_regular_face(const Topology& t, uint32_t face, bool linear, const std::v
            std::all_of(vertices.begin(), vertices.end(), [&](uint32_t v) { return regular[v] != 0; });
 }
 
-/// Whether a face of the base level is a surface as it is.
-bool is_whole_face(const CandidateSource& source, uint32_t f) {
-    if (is_regular_face(source.base, f, source.options.linear, source.regular)) return true;
-    PatchPoints patch;
-    return find_patch_points(source.base, f, source.options.linear, patch) &&
-           (patch.crease_sharpness == 0 || source.options.end_cap == EndCap::exact);
-}
-
-/// The surfaces of faces [first, end), in face order.
-void list_surfaces(const CandidateSource& source, uint32_t first, uint32_t end, CandidateChunk& out) {
-    const Topology& base = source.base;
-    const bool triangles = base.options.scheme == Scheme::loop;
-    const uint32_t first_child = first_child_face(base, first);
-    for (uint32_t f = first; f < end; ++f) {
-        const uint32_t size = base.size_of_face(f);
-        out.ptex_count += size == (triangles ? 3 : 4) ? 1 : size;
-        if (base.face_holes[f] != 0) continue;
-        if (is_whole_face(source, f)) {
-            out.list.push_back({f - first, 0, 0, 0, 0});
-            continue;
-        }
-        out.splits = true;
-        for (uint32_t j = 0; j < (triangles ? 4 : size); ++j)
-            out.list.push_back({first_child_face(base, f) - first_child + j, 0, 1, 0, 0});
-    }
-}
-
 /// Makes corner 1 of the patch corner 0.
 void rotate_bicubic_ring(uint32_t (&ring)[16]) {
     uint32_t old[16];
@@ -57,86 +31,138 @@ void rotate_bicubic_ring(uint32_t (&ring)[16]) {
         for (uint32_t u = 0; u < 4; ++u) ring[4 * v + u] = old[4 * u + (3 - v)];
 }
 
-/// Which of the children of its face a quad of level 1 is, where they keep the face's orientation: else 0.
-uint32_t place_in_parent(const Topology& base, uint32_t child) {
-    const uint32_t parent = base.face_of_corner(child);
-    return base.size_of_face(parent) == 4 ? child - base.face_begin(parent) : 0;
-}
-
 /// Walks around the candidates of one chunk.
 class ChunkWalk {
   public:
-    void walk(const CandidateSource& source, uint32_t first_face, const Level1& level1, CandidateChunk& out) {
+    /// Of faces [first_face, end_face). False, and to be done again, where that takes level 1 and `level1` is null.
+    bool walk(const CandidateSource& source, uint32_t first_face, uint32_t end_face, const Level1* level1,
+              CandidateChunk& out) {
+        const Topology& base = source.base;
         source_ = &source;
-        level1_ = &level1;
+        level1_ = level1;
         out_ = &out;
-        slots_.assign(2 * out.list.size() + 1, kInvalidIndex);
-        out.rings.reserve(out.list.size() * 18);
-        const uint32_t first_child = first_child_face(source.base, first_face) - level1.first_face;
-        for (uint32_t i = 0; i < out.list.size(); ++i) {
-            const size_t ring = out.rings.size();
-            Candidate& at = out.list[i];
-            const Level level = at.refined != 0 ? Level{level1.child, level1.regular, first_child + at.face}
-                                                : Level{source.base, source.regular, first_face + at.face};
-            if (is_regular_face(level.t, level.face, source.options.linear, level.regular))
-                add_regular(level, at, i);
-            else
-                add_irregular(level, at, i);
-            at.ring_size = static_cast<uint32_t>(out.rings.size() - ring) & 0x1fffffff;
-            if (at.refined != 0 && !level1.vertices.empty())
-                for (size_t k = ring; k < out.rings.size(); ++k) out.rings[k] = level1.vertices[out.rings[k]];
+        out = {};
+        first_child_ = first_child_face(base, first_face);
+        const uint32_t corners = first_child_face(base, end_face) - first_child_;
+        slots_.assign(std::bit_ceil(2 * size_t{corners} + 2), kInvalidIndex);
+        out.list.reserve(corners);
+        out.rings.reserve(size_t{16} * corners);
+        const uint32_t own_size = base.options.scheme == Scheme::loop ? 3 : 4;
+        for (uint32_t f = first_face; f < end_face; ++f) {
+            const uint32_t size = base.size_of_face(f);
+            out.ptex_count += size == own_size ? 1 : size;
+            if (base.face_holes[f] != 0 || add_whole(f, f - first_face)) continue;
+            out.splits = true;
+            const uint32_t child = first_child_face(base, f) - first_child_;
+            for (uint32_t j = 0; j < (own_size == 3 ? 4 : size); ++j)
+                if (!add_child(child + j, size == 4 ? j : 0)) return false;
         }
+        return true;
     }
 
   private:
-    /// A candidate's face, in its level.
-    struct Level {
-        const Topology& t;
-        const std::vector<uint8_t>& regular;
-        uint32_t face;
-    };
     bool is_linear() const { return source_->options.linear; }
 
-    void add_regular(const Level& level, Candidate& at, uint32_t i) {
-        uint32_t ring[16];
-        const uint32_t size = write_regular_ring(level.t, level.face, is_linear(), ring);
-        // Each quad child from the corner of its parent: grids then sample all four alike.
-        if (at.refined != 0 && level.t.face_size == 4 && size == 16)
-            at.rotation =
-                place_in_parent(level1_->part.face_count != 0 ? level1_->part : source_->base, level.face) &
-                3;
-        for (uint32_t k = 0; k < at.rotation; ++k) rotate_bicubic_ring(ring);
-        out_->rings.insert(out_->rings.end(), ring, ring + size);
-        at.kind = find_kind({0, 0}, i, true);
+    /// A face of the base level that is a surface as it is: its number, from the chunk's first.
+    bool add_whole(uint32_t f, uint32_t number) {
+        const Topology& base = source_->base;
+        if (is_regular_face(base, f, is_linear(), source_->regular)) {
+            add_regular(base, f, {number, 0, 0, 0, 0}, 0);
+        } else {
+            if (!find_patch(base, f, source_->options, patch_)) return false;
+            make_local(patch_, local_);
+            add_local({number, 0, 0, 0, 0}, 0);
+        }
+        return true;
     }
-    void add_irregular(const Level& level, Candidate& at, uint32_t i) {
-        const Topology& t = level.t;
-        at.rotation = choose_plan_corner(t, level.face, is_linear() ? nullptr : &level.regular) & 3;
+    /// A face of level 1. `slot`: the corner that it has in common with its parent.
+    bool add_child(uint32_t number, uint32_t slot) {
+        const Candidate at{number, 0, 1, 0, 0};
+        if (source_->has_stars && find_base_quad(source_->base, first_child_ + number, quad_)) {
+            add_quad(at, slot + quad_.corner);
+            return true;
+        }
+        if (level1_ == nullptr) return false;
+        const Topology& t = level1_->child;
+        const uint32_t face = first_child_ - level1_->first_face + number;
+        const size_t ring = out_->rings.size();
+        if (is_regular_face(t, face, is_linear(), level1_->regular)) {
+            add_regular(t, face, at, slot);
+        } else if (find_patch(t, face, source_->options, patch_)) {
+            make_local(patch_, local_);
+            add_local(at, 0);
+        } else {
+            add_irregular(t, face, at);
+        }
+        if (!level1_->vertices.empty())
+            for (size_t k = ring; k < out_->rings.size(); ++k) out_->rings[k] = level1_->vertices[out_->rings[k]];
+        return true;
+    }
+
+    void add_quad(const Candidate& at, uint32_t corner) {
+        if (!quad_.pattern) {
+            key_.clear();
+            quad_.star.append_to(key_);
+            return add_candidate(at, corner, quad_.ring, hash_signature(key_), PlanSource::star);
+        }
+        if (quad_.pattern->is_regular()) return add_candidate(at, corner, quad_.net, {0, 0}, PlanSource::regular);
+        make_local(quad_.net, *quad_.pattern, local_);
+        add_local(at, corner);
+    }
+    void add_local(const Candidate& at, uint32_t corner) {
+        add_candidate(at, corner + local_.rotation, local_.ring, hash_signature(local_.signature), PlanSource::patch);
+    }
+    void add_regular(const Topology& t, uint32_t face, const Candidate& at, uint32_t slot) {
+        uint32_t ring[16];
+        const uint32_t size = write_regular_ring(t, face, is_linear(), ring);
+        // Each quad child from the corner of its parent: grids then sample all four alike.
+        const uint32_t rotation = size == 16 ? slot : 0;
+        for (uint32_t k = 0; k < rotation; ++k) rotate_bicubic_ring(ring);
+        add_candidate(at, rotation, std::span(ring, size), {0, 0}, PlanSource::regular);
+    }
+    void add_irregular(const Topology& t, uint32_t face, const Candidate& at) {
+        const uint32_t rotation = choose_plan_corner(t, face, is_linear() ? nullptr : &level1_->regular);
         std::array<uint64_t, 2> hash;
-        if (is_linear() || !walk_around_fans(t, level.face, at.rotation, level.regular, hood_, hash)) {
+        if (is_linear() || !walk_around_fans(t, face, rotation, level1_->regular, hood_, hash)) {
             WalkOptions options{t};
             options.list_faces = false;
-            walk_around(options, level.face, {at.rotation, false}, hood_);
+            walk_around(options, face, {rotation, false}, hood_);
             hash = hash_signature(hood_.signature);
         }
-        out_->rings.insert(out_->rings.end(), hood_.ring.begin(), hood_.ring.end());
-        at.kind = find_kind(hash, i, false);
+        add_candidate(at, rotation, hood_.ring, hash, PlanSource::neighborhood);
     }
-    uint32_t find_kind(const std::array<uint64_t, 2>& hash, uint32_t i, bool regular) {
-        size_t at = hash[0] % slots_.size();
-        for (; slots_[at] != kInvalidIndex; at = (at + 1) % slots_.size()) {
+
+    template <class Ring>
+    void add_candidate(Candidate at, uint32_t rotation, const Ring& ring, const std::array<uint64_t, 2>& hash,
+                       PlanSource plan) {
+        at.rotation = rotation & 3;
+        at.ring_size = static_cast<uint32_t>(ring.size()) & 0x1fffffff;
+        at.kind = find_kind(hash, plan);
+        out_->list.push_back(at);
+        out_->rings.insert(out_->rings.end(), ring.begin(), ring.end());
+    }
+    /// Of the next candidate.
+    uint32_t find_kind(const std::array<uint64_t, 2>& hash, PlanSource plan) {
+        const size_t mask = slots_.size() - 1;
+        size_t at = (hash[0] + static_cast<size_t>(plan)) & mask;
+        for (; slots_[at] != kInvalidIndex; at = (at + 1) & mask) {
             const CandidateChunk::Kind& kind = out_->kinds[slots_[at]];
-            if (kind.hash == hash && kind.regular == regular) return slots_[at];
+            if (kind.hash == hash && kind.source == plan) return slots_[at];
         }
         slots_[at] = static_cast<uint32_t>(out_->kinds.size());
-        out_->kinds.push_back({hash, i, regular});
+        out_->kinds.push_back({hash, static_cast<uint32_t>(out_->list.size()), plan});
         return slots_[at];
     }
 
     const CandidateSource* source_ = nullptr;
     const Level1* level1_ = nullptr;
     CandidateChunk* out_ = nullptr;
+    uint32_t first_child_ = 0;
     Neighborhood hood_;
+    PatchPoints patch_;
+    LocalPatch local_;
+    BaseQuad quad_;
+    PlanKey key_;
     std::vector<uint32_t> slots_;  ///< kinds by hash, kInvalidIndex where free
 };
 
@@ -180,7 +206,7 @@ Level1 refine_around(const CandidateSource& source, uint32_t first, uint32_t end
 }  // namespace
 
 CandidateSource::CandidateSource(const Topology& t, const PlanOptions& o, const BuildPart& part)
-    : base(t), options(o) {
+    : base(t), options(o), has_stars(has_quad_stars(t) && !o.linear && o.end_cap == EndCap::exact) {
     if (!o.linear && t.options.scheme != Scheme::doo_sabin) regular = find_regular_vertices(t, part);
 }
 
@@ -195,17 +221,17 @@ Candidates find_candidates(const CandidateSource& source, Level1& level1, const 
             out.chunk_count(), p, [&](uint32_t k) { body(k, *out.chunks[k]); }, 1);
     };
     for (auto& chunk : out.chunks) chunk = std::make_shared<CandidateChunk>();
-    for_each_chunk(part.part(0, 0.2f), [&](uint32_t k, CandidateChunk& chunk) {
-        list_surfaces(source, out.first_faces[k], out.first_faces[k + 1], chunk);
-    });
-    if (std::any_of(out.chunks.begin(), out.chunks.end(), [](const auto& chunk) { return chunk->splits; })) {
-        refine_once(base, true, level1.child, part.part(0.2f, 0.4f));
-        if (!source.options.linear)
-            level1.regular = find_regular_vertices(level1.child, part.part(0.4f, 0.5f));
-    }
+    std::vector<uint8_t> is_left(out.chunks.size(), 0);
     tbb::enumerable_thread_specific<ChunkWalk> walks;
-    for_each_chunk(part.part(0.5f, 1), [&](uint32_t k, CandidateChunk& chunk) {
-        walks.local().walk(source, out.first_faces[k], level1, chunk);
+    for_each_chunk(part.part(0, 0.5f), [&](uint32_t k, CandidateChunk& chunk) {
+        is_left[k] = !walks.local().walk(source, out.first_faces[k], out.first_faces[k + 1], nullptr, chunk);
+    });
+    if (std::all_of(is_left.begin(), is_left.end(), [](uint8_t left) { return left == 0; })) return out;
+    refine_once(base, true, level1.child, part.part(0.5f, 0.7f));
+    if (!source.options.linear) level1.regular = find_regular_vertices(level1.child, part.part(0.7f, 0.8f));
+    for_each_chunk(part.part(0.8f, 1), [&](uint32_t k, CandidateChunk& chunk) {
+        if (is_left[k] != 0)
+            walks.local().walk(source, out.first_faces[k], out.first_faces[k + 1], &level1, chunk);
     });
     return out;
 }
@@ -213,9 +239,10 @@ Candidates find_candidates(const CandidateSource& source, Level1& level1, const 
 std::shared_ptr<CandidateChunk> find_chunk(const CandidateSource& source, uint32_t first_face,
                                            uint32_t end_face, Level1& level1) {
     auto out = std::make_shared<CandidateChunk>();
-    list_surfaces(source, first_face, end_face, *out);
-    if (out->splits) level1 = refine_around(source, first_face, end_face);
-    ChunkWalk().walk(source, first_face, level1, *out);
+    ChunkWalk walk;
+    if (walk.walk(source, first_face, end_face, nullptr, *out)) return out;
+    level1 = refine_around(source, first_face, end_face);
+    walk.walk(source, first_face, end_face, &level1, *out);
     return out;
 }
 

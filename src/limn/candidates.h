@@ -21,6 +21,14 @@ struct Candidate {
     uint32_t kind;  ///< which of its chunk's kinds it is
 };
 
+/// What the plan of a candidate comes from.
+enum class PlanSource : uint8_t {
+    regular,       ///< it has a regular ring (write_regular_ring)
+    patch,         ///< it is one patch (find_patch, or that of a BaseQuad)
+    star,          ///< it is irregular at a corner (BaseQuad)
+    neighborhood,  ///< walk_around
+};
+
 /// Candidates are walked in chunks, each by one thread.
 struct CandidateChunk {
     static constexpr uint32_t kFaceCount = 128;  ///< or fewer
@@ -28,7 +36,7 @@ struct CandidateChunk {
     struct Kind {
         std::array<uint64_t, 2> hash;
         uint32_t candidate;
-        bool regular;  ///< has a regular ring (write_regular_ring)
+        PlanSource source;
     };
     std::vector<Candidate> list;  ///< in face order
     std::vector<Kind> kinds;
@@ -58,11 +66,12 @@ struct CandidateSource {
     const Topology& base;
     PlanOptions options;
     std::vector<uint8_t> regular;  ///< find_regular_vertices, unless options.linear or Doo-Sabin
+    bool has_stars = false;        ///< faces of level 1 may be BaseQuads
 
     CandidateSource(const Topology& t, const PlanOptions& o, const BuildPart& part = {});
 };
 
-/// Level 1 of a mesh, or of some faces and those that touch them.
+/// Level 1, where it is needed, of a mesh, or of some faces and those that touch them.
 struct Level1 {
     Topology part;  ///< those faces; without any where they are all
     Topology child;
@@ -81,7 +90,7 @@ inline uint32_t level1_vertex_count(const Topology& base) {
     return base.vertex_count + (base.options.scheme == Scheme::loop ? 0 : base.face_count) + base.edge_count;
 }
 
-/// Lists the surfaces, splits the mesh where they need it (`level1` receives that), and walks around each.
+/// Lists the surfaces, splits the mesh where not all are told by it (`level1` receives that), and walks around each.
 /// Not to be used where `part` is cancelled.
 Candidates find_candidates(const CandidateSource& source, Level1& level1, const BuildPart& part);
 

@@ -42,14 +42,13 @@ struct Fan {
 bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<uint32_t>& twin) {
     const size_t count = corners.size();
     if (count > kMostFaces) return false;
-    fan.next.clear();
-    fan.previous.clear();
-    for (const uint32_t c : corners) {
-        fan.next.push_back(t.face_vertices[t.next_corner(c)]);
-        fan.previous.push_back(t.face_vertices[t.previous_corner(c)]);
-        const uint32_t v = t.face_vertices[c];
-        if (fan.next.back() == v || fan.previous.back() == v || fan.next.back() == fan.previous.back())
-            return false;
+    fan.next.resize(count);
+    fan.previous.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t c = corners[i], v = t.face_vertices[c];
+        const uint32_t next = fan.next[i] = t.face_vertices[next_in_face(t, c)];
+        const uint32_t previous = fan.previous[i] = t.face_vertices[previous_in_face(t, c)];
+        if (next == v || previous == v || next == previous) return false;
     }
     if (!fan.is_simple()) return false;
     fan.corners.assign(corners.begin(), corners.end());
@@ -60,12 +59,12 @@ bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<u
         fan.next[at] = kInvalidIndex;  // not to be found again
         if (i + 1 == count) break;
         at = fan.find_next(vertex);
-        if (at == count || t.face_of_corner(fan.corners[at]) == t.face_of_corner(corner)) return false;
-        twin[fan.corners[at]] = t.previous_corner(corner);
+        if (at == count || face_at(t, fan.corners[at]) == face_at(t, corner)) return false;
+        twin[fan.corners[at]] = previous_in_face(t, corner);
     }
     // The last face closes the fan, or ends at another boundary edge.
-    const uint32_t last = t.previous_corner(corners[count - 1]);
-    const bool closed = t.face_vertices[last] == t.face_vertices[t.next_corner(corners[0])];
+    const uint32_t last = previous_in_face(t, corners[count - 1]);
+    const bool closed = t.face_vertices[last] == t.face_vertices[next_in_face(t, corners[0])];
     if (closed && count == 1) return false;
     twin[corners[0]] = closed ? last : kInvalidIndex;
     return true;
@@ -74,7 +73,7 @@ bool order_fan(const Topology& t, std::span<uint32_t> corners, Fan& fan, Array<u
 /// Orders all fans. False where one is none.
 bool order_fans(Topology& t, Array<uint32_t>& twin, const BuildPart& part) {
     std::atomic<bool> fits = true;
-    for_each_block(t.vertex_count, part, 1024, [&](uint32_t begin, uint32_t end) {
+    for_each_block(t.vertex_count, part, 256, [&](uint32_t begin, uint32_t end) {
         Fan fan;
         for (uint32_t v = begin; v != end && fits.load(std::memory_order_relaxed); ++v) {
             const uint32_t first = t.vertex_corner_offsets[v], count = t.vertex_corner_offsets[v + 1] - first;
@@ -91,7 +90,7 @@ bool begins_edge(uint32_t corner, uint32_t twin) {
 
 /// Numbers edges by the corners where they appear first.
 void number_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart& part) {
-    constexpr uint32_t kBlock = 16384;
+    constexpr uint32_t kBlock = 2048;
     struct Count {
         uint32_t edges = 0, corners = 0;  // before a block
     };
@@ -121,7 +120,7 @@ void number_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart& par
         for (uint32_t c = begin; c != end; ++c) {
             if (!begins_edge(c, twin[c])) continue;
             t.edge_vertices[2 * size_t{edge}] = t.face_vertices[c];
-            t.edge_vertices[2 * size_t{edge} + 1] = t.face_vertices[t.next_corner(c)];
+            t.edge_vertices[2 * size_t{edge} + 1] = t.face_vertices[next_in_face(t, c)];
             t.edge_corner_offsets[edge] = at;
             t.edge_corners[at++] = c;
             t.face_edges[c] = edge;
@@ -149,7 +148,7 @@ void list_vertex_edges(Topology& t, const Array<uint32_t>& twin, const BuildPart
         const auto corners = t.corners_of_vertex(v);
         for (const uint32_t c : corners) t.vertex_edges[at++] = t.face_edges[c];
         if (at != t.vertex_edge_offsets[v + 1])
-            t.vertex_edges[at] = t.face_edges[t.previous_corner(corners.back())];
+            t.vertex_edges[at] = t.face_edges[previous_in_face(t, corners.back())];
     });
 }
 

@@ -140,35 +140,53 @@ uint32_t other_corner(const Topology& t, uint32_t c) {
     return corners[0] == c ? corners[1] : corners[0];
 }
 
-/// The 4 by 4 net around a quad; u is columns.
+/// Where the corners of a quad stand in its 4 by 4 net, u being columns, and the way out across the edge that begins there.
+constexpr int kNetCorner[4] = {5, 6, 10, 9}, kNetAway[4] = {-4, 1, 4, -1};
+
+PatchPoint& net_point(PatchPoints& patch, int i) {
+    return patch.points[static_cast<size_t>(i)];
+}
+
+/// Fills in what lies beyond sharp edges of a net, from the points within.
+void extrapolate_net(uint32_t sharp_edges, PatchPoints& patch) {
+    if (sharp_edges == 0) return;
+    const auto point = [&](int i) -> PatchPoint& { return net_point(patch, i); };
+    const auto is_sharp = [&](uint32_t k) { return (sharp_edges >> (k & 3) & 1) != 0; };
+    for (uint32_t k = 0; k < 4; ++k) {
+        if (!is_sharp(k)) continue;
+        const int a = kNetCorner[k], b = kNetCorner[(k + 1) & 3], d = kNetAway[k];
+        point(a + d) = twice_less(point(a), point(a - d));
+        point(b + d) = twice_less(point(b), point(b - d));
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+        const int a = kNetCorner[k], d = kNetAway[k], e = kNetAway[(k + 3) & 3];
+        if (is_sharp(k))
+            point(a + d + e) = twice_less(point(a + e), point(a + e - d));
+        else if (is_sharp(k + 3))
+            point(a + d + e) = twice_less(point(a + d), point(a + d - e));
+    }
+}
+
+/// The net around a quad.
 void fill_quad(const Topology& t, uint32_t face, const Corner (&corners)[4], PatchPoints& out) {
-    constexpr int at[4] = {5, 6, 10, 9}, away[4] = {-4, 1, 4, -1};
-    auto point = [&](int i) -> PatchPoint& { return out.points[static_cast<size_t>(i)]; };
     const uint32_t begin = t.face_begin(face);
-    for (uint32_t k = 0; k < 4; ++k) point(at[k]) = vertex(t.face_vertices[begin + k]);
+    uint32_t sharp_edges = 0;
     for (uint32_t k = 0; k < 4; ++k) {
-        const int a = at[k], b = at[(k + 1) & 3], d = away[k];
-        if (corners[k].sharp_next) {
-            point(a + d) = twice_less(point(a), point(a - d));
-            point(b + d) = twice_less(point(b), point(b - d));
-        } else {
+        const int a = kNetCorner[k], b = kNetCorner[(k + 1) & 3], d = kNetAway[k];
+        net_point(out, a) = vertex(t.face_vertices[begin + k]);
+        sharp_edges |= uint32_t{corners[k].sharp_next} << k;
+        if (!corners[k].sharp_next) {
             const uint32_t c = other_corner(t, begin + k);
-            point(a + d) = vertex_at(t, c, 2);
-            point(b + d) = vertex_at(t, c, 3);
+            net_point(out, a + d) = vertex_at(t, c, 2);
+            net_point(out, b + d) = vertex_at(t, c, 3);
         }
+        if (corners[k].sharp_next || corners[k].sharp_previous) continue;
+        const int beside = corner_before(t, begin + k);
+        const int opposite = corner_before(t, static_cast<uint32_t>(beside));
+        net_point(out, a + d + kNetAway[(k + 3) & 3]) = vertex_at(t, static_cast<uint32_t>(opposite), 2);
     }
-    for (uint32_t k = 0; k < 4; ++k) {
-        const int d = away[k], e = away[(k + 3) & 3], diagonal = at[k] + d + e;
-        if (!corners[k].sharp_next && !corners[k].sharp_previous) {
-            const int beside = corner_before(t, begin + k);
-            const int opposite = corner_before(t, static_cast<uint32_t>(beside));
-            point(diagonal) = vertex_at(t, static_cast<uint32_t>(opposite), 2);
-        } else if (corners[k].sharp_next) {
-            point(diagonal) = twice_less(point(at[k] + e), point(at[k] + e - d));
-        } else {
-            point(diagonal) = twice_less(point(at[k] + d), point(at[k] + d - e));
-        }
-    }
+    out.sharp_edges = sharp_edges;
+    extrapolate_net(sharp_edges, out);
 }
 
 /// Where the 12 points stand: rows of 3, 4, 3, 2 from v = -1, each from the smallest u.
@@ -227,6 +245,41 @@ bool is_plain_vertex(const Topology& t, uint32_t v, size_t valence) {
 }
 
 }  // namespace
+
+PatchPoints make_quad_patch(const QuadNet& net, const QuadPattern& pattern) {
+    PatchPoints patch;
+    patch.count = 16;
+    patch.crease_sharpness = pattern.crease_sharpness;
+    patch.crease_edge = pattern.crease_edge;
+    patch.sharp_edges = pattern.sharp_edges;
+    for (uint32_t k = 0; k < 16; ++k) patch.points[k] = vertex(net[k]);
+    extrapolate_net(pattern.sharp_edges, patch);
+    return patch;
+}
+
+QuadPattern read_quad_patch(const PatchPoints& patch, QuadNet& net) {
+    const QuadPattern pattern{patch.sharp_edges, patch.crease_sharpness, patch.crease_edge};
+    for (uint32_t k = 0; k < 16; ++k)
+        net[k] = pattern.is_outside(k) ? kInvalidIndex : patch.points[k].entries[0].index;
+    return pattern;
+}
+
+uint32_t turn_quad_patch(QuadNet& net, QuadPattern& pattern) {
+    const uint32_t sharp = pattern.sharp_edges | uint32_t{pattern.crease_sharpness > 0} << pattern.crease_edge;
+    uint32_t turn = 0;
+    while (turn < 4 && !((sharp >> turn & 1) != 0 && (sharp >> ((turn + 3) & 3) & 1) == 0)) ++turn;
+    turn &= 3;
+    if (turn == 0) return 0;
+    const QuadNet old = net;
+    for (uint32_t v = 0; v < 4; ++v)
+        for (uint32_t u = 0; u < 4; ++u) {
+            const uint32_t from[4] = {4 * v + u, 4 * u + (3 - v), 4 * (3 - v) + (3 - u), 4 * (3 - u) + v};
+            net[4 * v + u] = old[from[turn]];
+        }
+    pattern.sharp_edges = (pattern.sharp_edges >> turn | pattern.sharp_edges << (4 - turn)) & 15;
+    if (pattern.crease_sharpness > 0) pattern.crease_edge = (pattern.crease_edge + 4 - turn) & 3;
+    return turn;
+}
 
 bool is_regular_corner(const Topology& t, uint32_t c) {
     return classify(t, c).kind != CornerKind::irregular;
@@ -287,6 +340,8 @@ bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoint
     const uint32_t size = t.options.scheme == Scheme::loop ? 3 : 4, begin = t.face_begin(face);
     if (t.size_of_face(face) != size) return false;
     out.crease_sharpness = 0;
+    out.crease_edge = 0;
+    out.sharp_edges = 0;
     if (linear) {
         out.kind = size == 3 ? PlanNodeKind::linear : PlanNodeKind::bilinear;
         out.count = size;

@@ -29,12 +29,36 @@ struct PatchPoints {
     /// else 0. The surface then is that of these points refined across that edge.
     float crease_sharpness = 0;
     uint32_t crease_edge = 0;
+    /// Bicubic: bit k stands for the edge from corner k to the next one, beyond which points are extrapolated.
+    uint32_t sharp_edges = 0;
 };
 
 /// False where the face is not regular: anything but 4 (Loop: 6) faces around a smooth corner, 2 (3) beside
 /// an infinite crease or boundary, 1 in an infinitely sharp corner. `linear`: every face of the scheme's own
 /// size is a bilinear patch, or a linear triangle.
 bool find_patch_points(const Topology& t, uint32_t face, bool linear, PatchPoints& out);
+
+/// A quad's net of vertices, row by row; what lies beyond infinitely sharp edges is kInvalidIndex.
+using QuadNet = std::array<uint32_t, 16>;
+/// And the rest of its patch, as PatchPoints has it.
+struct QuadPattern {
+    uint32_t sharp_edges = 0;
+    float crease_sharpness = 0;
+    uint32_t crease_edge = 0;
+
+    bool is_regular() const { return sharp_edges == 0 && crease_sharpness == 0; }
+    /// Whether point k of the net lies beyond a sharp edge.
+    bool is_outside(uint32_t k) const {
+        const uint32_t edges =
+            uint32_t{k < 4} | uint32_t{k % 4 == 3} << 1 | uint32_t{k >= 12} << 2 | uint32_t{k % 4 == 0} << 3;
+        return (sharp_edges & edges) != 0;
+    }
+};
+PatchPoints make_quad_patch(const QuadNet& net, const QuadPattern& pattern);
+/// The other way round, of bicubic patches.
+QuadPattern read_quad_patch(const PatchPoints& patch, QuadNet& net);
+/// Turns it so that alike ones are alike: what is sharp begins at edge 0. The corner that became corner 0.
+uint32_t turn_quad_patch(QuadNet& net, QuadPattern& pattern);
 
 /// Whether a face may be a patch as far as corner c (of a face of the scheme's own size) is concerned.
 bool is_regular_corner(const Topology& t, uint32_t c);

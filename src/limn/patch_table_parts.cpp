@@ -30,50 +30,81 @@ namespace {
 /// Numbers, in a PlanSet, of the plans of kinds.
 class PlanFinder {
   public:
-    PlanFinder(const CandidateSource& source, PlanSet& plans)
-        : source_(source),
-          plans_(plans),
-          options_hash_(hash_signature(begin_plan_key(source.base.options, source.options))) {}
+    PlanFinder(const CandidateSource& source, PlanSet& plans) : source_(source), plans_(plans), salts_{} {
+        const SchemeOptions& scheme = source.base.options;
+        const auto salt = [&](PlanSource of) -> PlanHash& { return salts_[static_cast<size_t>(of)]; };
+        salt(PlanSource::patch) = hash_signature(make_patch_key(scheme, {}));
+        salt(PlanSource::star) = hash_signature(make_star_key(scheme, source.options, {}));
+        salt(PlanSource::neighborhood) = hash_signature(begin_plan_key(scheme, source.options));
+    }
 
     uint32_t find(const CandidateChunk& chunk, const CandidateChunk::Kind& kind, uint32_t first_face,
                   const Level1& level1) {
-        if (kind.regular) {
+        if (kind.source == PlanSource::regular) {
             if (regular_ == kInvalidIndex) regular_ = find_regular();
             return regular_;
         }
-        const auto [at, is_new] = found_.try_emplace(kind.hash, 0);
-        if (is_new) at->second = find_irregular(chunk.list[kind.candidate], kind.hash, first_face, level1);
+        const auto source = static_cast<size_t>(kind.source);
+        const auto [at, is_new] = found_[source].try_emplace(kind.hash, 0);
+        if (is_new) at->second = find_irregular(chunk.list[kind.candidate], kind, first_face, level1);
         return at->second;
     }
 
   private:
     uint32_t find_regular() {
-        PlanRequest request = request_regular_plan(source_.base.options, source_.options.linear);
-        const PlanKey key = request.key;
-        return plans_.find_or_request(key, [&] { return std::move(request); });
+        local_ = make_regular_patch(source_.base.options, source_.options.linear);
+        return find_patch_plan();
     }
-    uint32_t find_irregular(const Candidate& first, const PlanHash& kind, uint32_t first_face,
+    /// Where a hash is known, nothing is looked at again.
+    uint32_t find_irregular(const Candidate& first, const CandidateChunk::Kind& kind, uint32_t first_face,
                             const Level1& level1) {
-        const PlanHash hash = {kind[0] ^ options_hash_[0], kind[1] ^ options_hash_[1]};
+        const PlanHash& salt = salts_[static_cast<size_t>(kind.source)];
+        const PlanHash hash = {kind.hash[0] ^ salt[0], kind.hash[1] ^ salt[1]};
         if (const uint32_t known = plans_.find(hash); known != kInvalidIndex) return known;
-        const Topology& t = first.refined != 0 ? level1.child : source_.base;
-        const uint32_t face =
-            first.face + (first.refined != 0 ? first_child_face(source_.base, first_face) - level1.first_face
-                                             : first_face);
-        walk_around({t}, face, {first.rotation, false}, hood_);
-        const PlanKey key = make_plan_key(t, hood_, source_.options);
+        const uint32_t child = first_child_face(source_.base, first_face) + first.face;
+        const bool is_quad =
+            first.refined != 0 && source_.has_stars && find_base_quad(source_.base, child, quad_);
         const uint32_t number =
-            plans_.find_or_request(key, [&] { return request_plan(t, hood_, first.rotation, key); });
+            is_quad ? find_quad()
+                    : find_face(first.refined != 0 ? level1.child : source_.base,
+                                first.refined != 0 ? child - level1.first_face : first_face + first.face, kind.source,
+                                first.rotation);
         plans_.keep_hash(hash, number);
         return number;
+    }
+    uint32_t find_quad() {
+        if (quad_.pattern) {
+            make_local(quad_.net, *quad_.pattern, local_);
+            return find_patch_plan();
+        }
+        const PlanKey key = make_star_key(source_.base.options, source_.options, quad_.star);
+        return plans_.find_or_request(key, [&] { return request_star_plan(quad_.star); });
+    }
+    uint32_t find_face(const Topology& t, uint32_t face, PlanSource source, uint32_t rotation) {
+        if (source == PlanSource::patch) {
+            PatchPoints patch;
+            find_patch(t, face, source_.options, patch);
+            make_local(patch, local_);
+            return find_patch_plan();
+        }
+        walk_around({t}, face, {rotation, false}, hood_);
+        const PlanKey key = make_plan_key(t, hood_, source_.options);
+        return plans_.find_or_request(key, [&] { return request_plan(t, hood_, rotation); });
+    }
+    uint32_t find_patch_plan() {
+        const PlanKey key = make_patch_key(source_.base.options, local_);
+        return plans_.find_or_request(key, [&] { return request_patch_plan(local_); });
     }
 
     const CandidateSource& source_;
     PlanSet& plans_;
-    const PlanHash options_hash_;
-    std::unordered_map<PlanHash, uint32_t, PlanHashHash> found_;
+    // By PlanSource; what is the same for all hashes of such plans.
+    std::array<PlanHash, 4> salts_;
+    std::array<std::unordered_map<PlanHash, uint32_t, PlanHashHash>, 4> found_;
     uint32_t regular_ = kInvalidIndex;
     Neighborhood hood_;
+    LocalPatch local_;
+    BaseQuad quad_;
 };
 
 }  // namespace
@@ -81,7 +112,7 @@ class PlanFinder {
 Result<void> find_plans(const CandidateSource& source,
                         const std::function<const Level1&(uint32_t)>& level1_of, PlanCache::Impl& cache,
                         Candidates& candidates, const BuildPart& part) {
-    PlanSet plans(source.options, cache);
+    PlanSet plans(source.base.options, source.options, cache);
     PlanFinder finder(source, plans);
     std::vector<std::pair<CandidateChunk*, std::vector<uint32_t>>> found;
     auto find_in_chunk = [&](uint32_t k) {
@@ -101,17 +132,18 @@ Result<void> find_plans(const CandidateSource& source,
 std::vector<uint32_t> find_used_children(const Topology& base, const Candidates& candidates,
                                          const BuildPart& part) {
     std::vector<uint32_t> uses(level1_vertex_count(base), 0);
+    uint32_t* const to = uses.data();
     for_each_index(
         candidates.chunk_count(), part,
         [&](uint32_t k) {
-            const CandidateChunk& chunk = *candidates.chunks[k];
-            for_each_ring(chunk, [&](const Candidate& at, uint32_t, uint32_t first) {
+            const uint32_t* const rings = candidates.chunks[k]->rings.data();
+            for_each_ring(*candidates.chunks[k], [&](const Candidate& at, uint32_t, uint32_t first) {
                 if (at.refined == 0) return;
-                for (size_t i = first; i < first + at.ring_size; ++i)
-                    std::atomic_ref(uses[chunk.rings[i]]).store(1, std::memory_order_relaxed);
+                for (uint32_t i = first; i < first + at.ring_size; ++i)
+                    std::atomic_ref(to[rings[i]]).store(1, std::memory_order_relaxed);
             });
         },
-        4);
+        2);
     return uses;
 }
 
@@ -224,7 +256,7 @@ void write_surfaces(const CandidateSource& source, const PatchTableParts<Real>& 
                     static_cast<uint32_t>(place.first_ring) + first};
             });
         },
-        4);
+        2);
 }
 
 template <class Real>
@@ -256,7 +288,7 @@ void write_rings(const Array<uint32_t>& control_indices, const PatchTableParts<R
                     std::copy(rings.begin() + first, rings.begin() + end, to + first);
             });
         },
-        4);
+        2);
     table.ring_points = pack_indices(std::move(points), table.point_count(), part.part(0.9f, 1));
 }
 

@@ -6,7 +6,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include "limn/grid_passes.h"
 #include "limn/parallel.h"
@@ -17,7 +19,7 @@
 namespace limn {
 namespace {
 
-using Row = std::vector<double>;  ///< over the ring of the surface
+using Row = std::span<const double>;  ///< over the ring of the surface
 
 Error too_many_weights(uint64_t max_bytes) {
     return {ErrorCode::too_large, "local points need more than " + std::to_string(max_bytes >> 20) + " MiB of weights"};
@@ -27,16 +29,25 @@ Error too_many_weights(uint64_t max_bytes) {
 struct Tree {
     std::vector<uint32_t> nodes;
     std::vector<uint16_t> leaf_points;
-    std::vector<Row> rows;
+    size_t width = 0;             ///< of rows, which follow each other
+    std::vector<double> weights;
     std::vector<uint8_t> is_tangent;  ///< of each row; once sorted those are the last
     uint32_t point_count = 0;
 
+    uint32_t row_count() const { return static_cast<uint32_t>(is_tangent.size()); }
+    Row row(size_t r) const { return Row(weights).subspan(r * width, width); }
     uint32_t add(Row row, bool tangent) {
-        rows.push_back(std::move(row));
+        weights.insert(weights.end(), row.begin(), row.end());
         is_tangent.push_back(tangent);
-        return static_cast<uint32_t>(rows.size() - 1);
+        return row_count() - 1;
     }
 };
+
+uint64_t hash_row(Row row) {
+    uint64_t hash = row.size();
+    for (const double w : row) hash = (std::rotl(hash, 27) ^ std::bit_cast<uint64_t>(w)) * 0x9e3779b97f4a7c15;
+    return hash ^ hash >> 32;
+}
 
 /// What all trees of a table may take together. Tables of meshes are far from it; one from elsewhere, whose plans refer
 /// to each other as they like, could ask for any amount.
@@ -66,7 +77,7 @@ struct Budget {
 /// A plan on the way down: the rows of its ring, and which of its rows have become local points.
 struct Visit {
     uint32_t plan;
-    std::vector<Row> ring;  ///< empty: the surface's own
+    std::vector<double> ring;  ///< of the width of the tree's; empty: the surface's own
     std::vector<uint32_t> local;
 };
 
@@ -78,34 +89,69 @@ struct Grower {
     uint32_t ring_size;
     Tree& tree;
     Budget& budget;  ///< a tree that it does not suffice for stays unfinished
+    /// Rows of points by their hash; kInvalidIndex where there is none.
+    struct Point {
+        uint64_t hash = 0;
+        uint32_t row = kInvalidIndex;
+    };
+    std::vector<Point> points = {};
+    std::vector<double> row = {};
 
-    Row row_of(const Visit& visit, const double* weights) const {
+    /// Valid until the next call.
+    template <class Weight>
+    Row row_of(const Visit& visit, const Weight* weights) {
         const uint32_t size = table.plans[visit.plan].ring_size;
-        if (visit.ring.empty()) return Row(weights, weights + size);
-        Row row(ring_size, 0.0);
+        if (visit.ring.empty()) {
+            row.assign(weights, weights + size);
+            return row;
+        }
+        row.assign(ring_size, 0.0);
         uint64_t count = 1;
         for (uint32_t j = 0; j < size; ++j) {
             if (weights[j] == 0) continue;
             ++count;
-            for (uint32_t i = 0; i < ring_size; ++i) row[i] += weights[j] * visit.ring[j][i];
+            const auto weight = static_cast<double>(weights[j]);
+            const double* const point = visit.ring.data() + size_t{j} * ring_size;
+            for (uint32_t i = 0; i < ring_size; ++i) row[i] += weight * point[i];
         }
         budget.work += count * ring_size + size;
         return row;
     }
-    Row plan_row(const Visit& visit, uint32_t r) const {
+    Row plan_row(const Visit& visit, uint32_t r) {
+        if (visit.local[r] != kInvalidIndex) return tree.row(visit.local[r]);
         const Plan& plan = table.plans[visit.plan];
-        const float* weights = table.plan_weights.data() + plan.first_weight +
-                               size_t{r} * shared::plan_row_stride(plan.ring_size);
-        return row_of(visit, Row(weights, weights + plan.ring_size).data());
+        return row_of(visit, table.plan_weights.data() + plan.first_weight +
+                                 size_t{r} * shared::plan_row_stride(plan.ring_size));
     }
     uint32_t local_of(Visit& visit, uint32_t r) {
         uint32_t& local = visit.local[r];
-        if (local == kInvalidIndex) local = add_row(plan_row(visit, r), false);
+        if (local == kInvalidIndex) local = add_point(plan_row(visit, r));
         return local;
     }
-    uint32_t add_row(Row row, bool tangent) {
+    /// Plans have points in common where one ends and the next begins.
+    uint32_t add_point(Row point) {
+        if (2 * size_t{tree.row_count()} >= points.size()) grow_points();
+        const uint64_t hash = hash_row(point);
+        const size_t mask = points.size() - 1;
+        size_t at = hash & mask;
+        for (; points[at].row != kInvalidIndex; at = (at + 1) & mask)
+            if (points[at].hash == hash && std::ranges::equal(tree.row(points[at].row), point)) return points[at].row;
+        points[at] = {hash, add_row(point, false)};
+        return points[at].row;
+    }
+    void grow_points() {
+        const auto old = std::exchange(points, std::vector<Point>(std::max<size_t>(1024, 2 * points.size())));
+        const size_t mask = points.size() - 1;
+        for (const Point& point : old) {
+            if (point.row == kInvalidIndex) continue;
+            size_t at = point.hash & mask;
+            while (points[at].row != kInvalidIndex) at = (at + 1) & mask;
+            points[at] = point;
+        }
+    }
+    uint32_t add_row(Row added, bool tangent) {
         budget.weights += ring_size;
-        return tree.add(std::move(row), tangent);
+        return tree.add(added, tangent);
     }
     Visit enter(uint32_t plan) const {
         budget.work += table.plans[plan].row_count;
@@ -155,11 +201,16 @@ struct Grower {
         if (node.kind() == PlanNodeKind::plan) {
             Visit next = enter(node.plan());
             const uint32_t* rows = table.plan_points.data() + plan.first_point + node.first;
-            for (uint32_t k = 0; k < table.plans[next.plan].ring_size && !budget.is_spent(); ++k)
-                next.ring.push_back(plan_row(visit, rows[k]));
+            for (uint32_t k = 0; k < table.plans[next.plan].ring_size && !budget.is_spent(); ++k) {
+                const Row point = plan_row(visit, rows[k]);
+                next.ring.insert(next.ring.end(), point.begin(), point.end());
+            }
             if (budget.is_spent()) return;
-            if (std::max(size_u, size_v) <= smallest) return add_corner(slot, node.rotation(), next, size_u);
             const PlanNode& root = table.plan_nodes[table.plans[next.plan].first_node];
+            // Others are patches, and those along creases, which end by themselves.
+            const bool is_irregular = root.kind() == PlanNodeKind::split || root.kind() == PlanNodeKind::plan;
+            if (is_irregular && std::max(size_u, size_v) <= smallest)
+                return add_corner(slot, node.rotation(), next, size_u);
             return grow(slot, node.rotation(), root, next, size_u, size_v);
         }
         if (node.kind() > PlanNodeKind::split_v) return add_patch(slot, rotation, node, visit);
@@ -191,28 +242,28 @@ struct Grower {
 
 /// Puts tangents behind points.
 void sort_rows(Tree& tree) {
-    std::vector<uint16_t> place(tree.rows.size());
-    std::vector<Row> sorted;
+    std::vector<uint16_t> place(tree.row_count());
+    Tree sorted{.width = tree.width};
+    sorted.weights.reserve(tree.weights.size());
     for (const bool tangents : {false, true}) {
-        for (size_t r = 0; r < tree.rows.size(); ++r) {
-            if ((tree.is_tangent[r] != 0) != tangents) continue;
-            place[r] = static_cast<uint16_t>(sorted.size());
-            sorted.push_back(std::move(tree.rows[r]));
-        }
-        if (!tangents) tree.point_count = static_cast<uint32_t>(sorted.size());
+        for (uint32_t r = 0; r < tree.row_count(); ++r)
+            if ((tree.is_tangent[r] != 0) == tangents) place[r] = static_cast<uint16_t>(sorted.add(tree.row(r), tangents));
+        if (!tangents) tree.point_count = sorted.row_count();
     }
-    tree.rows = std::move(sorted);
+    tree.weights.swap(sorted.weights);
+    tree.is_tangent.swap(sorted.is_tangent);
     for (uint16_t& point : tree.leaf_points) point = place[point];
 }
 
 Tree grow_tree(const PatchTable& table, uint32_t plan, double smallest, bool relative, Budget& budget) {
     Tree tree;
     tree.nodes.resize(1);
-    if (relative) tree.add(Row(table.plans[plan].ring_size, 0.0), false);  // the origin, relative to itself
+    tree.width = table.plans[plan].ring_size;
+    if (relative) tree.add(std::vector<double>(tree.width, 0.0), false);  // the origin, relative to itself
     Grower grower{table, smallest, table.options.scheme == Scheme::loop, table.plans[plan].ring_size, tree, budget};
     Visit visit = grower.enter(plan);
     grower.grow(0, 0, table.plan_nodes[table.plans[plan].first_node], visit, 1, 1);
-    if (tree.rows.size() <= 0xffff && !budget.is_spent()) sort_rows(tree);
+    if (tree.row_count() <= 0xffff && !budget.is_spent()) sort_rows(tree);
     return tree;
 }
 
@@ -221,7 +272,7 @@ using Trees = std::vector<std::shared_ptr<const Tree>>;
 /// Rows are padded to a multiple of this: trees of nearly equal size then share a dispatch.
 constexpr uint32_t kRowPadding = 16;
 uint32_t padded_rows(const Tree& tree) {
-    return (static_cast<uint32_t>(tree.rows.size()) + kRowPadding - 1) / kRowPadding * kRowPadding;
+    return (tree.row_count() + kRowPadding - 1) / kRowPadding * kRowPadding;
 }
 
 /// Nodes and leaves of all trees in a row: the root of each.
@@ -259,8 +310,8 @@ void write_class(const Tree& tree, const GridClass& c, GridTable& grid) {
     for (uint32_t s = 0; s < c.sample_count; ++s) {
         for (uint32_t j = 0; j < 4 * c.group_count; ++j) {
             const size_t at = c.first_weight + size_t{j / 4} * c.sample_count + s;
-            const bool filled = s < tree.rows.size() && j < c.ring_size;
-            grid.weights[4 * at + j % 4] = filled ? static_cast<float>(tree.rows[s][j]) : 0.0f;
+            const bool filled = s < tree.row_count() && j < c.ring_size;
+            grid.weights[4 * at + j % 4] = filled ? static_cast<float>(tree.row(s)[j]) : 0.0f;
         }
     }
 }
@@ -284,7 +335,7 @@ Result<void> add_classes(const PatchTable& table, const Trees& trees, const std:
     for (size_t t = 0; t < trees.size(); ++t) {
         uint32_t* sample = grid.placement_samples.data() + grid.placements[t].first;
         for (uint32_t s = 0; s < grid.classes[t].sample_count; ++s)
-            sample[s] = s < trees[t]->rows.size() ? s : kInvalidIndex;
+            sample[s] = s < trees[t]->row_count() ? s : kInvalidIndex;
     }
     for_each_index(
         static_cast<uint32_t>(trees.size()), part,
@@ -303,7 +354,7 @@ Result<void> place_surfaces(const PatchTable& table, const Trees& trees,
     uint64_t local = 0;
     auto place = [&](uint32_t i) {
         const Surface& s = table.surfaces[i];
-        const uint32_t tree = tree_of_plan[s.plan()], count = static_cast<uint32_t>(trees[tree]->rows.size());
+        const uint32_t tree = tree_of_plan[s.plan()], count = trees[tree]->row_count();
         if (local / grid.faces_per_pass != (local + count - 1) / grid.faces_per_pass)
             local = (local / grid.faces_per_pass + 1) * grid.faces_per_pass;
         surfaces[i] = {s.first_ring, static_cast<uint32_t>(local), tree, tree};
@@ -331,8 +382,7 @@ struct TreeKey {
 
 uint64_t bytes_of(const Tree& tree) {
     uint64_t bytes = sizeof(Tree) + tree.nodes.size() * 4 + tree.leaf_points.size() * 2 + tree.is_tangent.size();
-    for (const Row& row : tree.rows) bytes += sizeof(Row) + row.size() * sizeof(double);
-    return bytes;
+    return bytes + tree.weights.size() * sizeof(double);
 }
 
 }  // namespace
@@ -401,7 +451,7 @@ Result<PatchTreeTable> build(const PatchTable& table, const PatchTreeOptions& op
         1);
     if (auto ok = budget.check(options.max_weight_bytes); !ok) return ok.error();
     for (const auto& tree : trees)
-        if (tree->rows.size() > 0xffff)
+        if (tree->row_count() > 0xffff)
             return Error{ErrorCode::unsupported, "tessellation of a surface with 2^16 local points or more"};
 
     PatchTreeTable out;

@@ -9,61 +9,11 @@
 
 #include "limn/gregory.h"
 #include "limn/local_refinement.h"
-#include "limn/plan_scratch.h"
+#include "limn/plan_writer.h"
 #include "limn/topology_build.h"
 
 namespace limn {
 namespace {
-
-struct PlanWriter {
-    const PlanOptions& options;
-    const KnownPlans& known;
-    NewPlan& out;
-    BuiltPlan& plan;
-    PlanScratch& scratch;
-
-    size_t width() const { return plan.ring_size; }
-    PlanRows& rows() const { return scratch.rows; }
-
-    void write_corner_rows(const Topology& t, const VertexRows& rows);
-
-    template <class Point>
-    void add_point(const Point& point, LazyRows& from, double* to) const {
-        for (const RowEntry& e : point) {
-            const double* row = from.row(e.index);
-            for (size_t j = 0; j < width(); ++j) to[j] += e.weight * row[j];
-        }
-    }
-    /// The number of the row of a sum of vertices.
-    template <class Point>
-    uint32_t write_point(const Point& point, LazyRows& from) const {
-        if (point.size() == 1 && point.begin()->weight == 1) return from.write(point.begin()->index, rows());
-        scratch.row.assign(width(), 0.0);
-        add_point(point, from, scratch.row.data());
-        return rows().write(scratch.row.data());
-    }
-    void begin_node(uint32_t node, PlanNodeKind kind) {
-        plan.nodes[node] = {shared::pack_node(static_cast<uint32_t>(kind), 0, 0),
-                            static_cast<uint32_t>(plan.points.size())};
-    }
-    uint32_t add_nodes(uint32_t count) {
-        const auto first = static_cast<uint32_t>(plan.nodes.size());
-        plan.nodes.resize(plan.nodes.size() + count);
-        return first;
-    }
-
-    void write_crease(uint32_t node, const PatchPoints& patch, LazyRows& from);
-    void write_leaf(uint32_t node, const PatchPoints& patch, LazyRows& from) {
-        if (patch.crease_sharpness > 0) return write_crease(node, patch, from);
-        begin_node(node, patch.kind);
-        for (uint32_t k = 0; k < patch.count; ++k) plan.points.push_back(write_point(patch.points[k], from));
-    }
-    bool write_regular(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
-    void write_gregory(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
-    void write_reference(uint32_t node, const Topology& t, uint32_t face, LazyRows& from);
-    void split(uint32_t node, const Topology& t, const VertexRows& rows, uint32_t depth);
-    void write_root(const Topology& t, const VertexRows& rows);
-};
 
 /// The sector around the first corner of face 0: what lies beyond infinitely sharp edges does not matter to
 /// the surface there. Its star begins at the same place in every mesh.
@@ -92,6 +42,8 @@ void align_tangents(const Topology& t, uint32_t v, uint32_t corner, std::vector<
     }
 }
 
+}  // namespace
+
 void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
     std::vector<uint32_t> vertices;
     Topology star = cut_sector(t, vertices);
@@ -106,6 +58,10 @@ void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
     }
     // OpenSubdiv's masks are not those of its rules: a table that used them would be torn at the vertex.
     star.options.opensubdiv_compatible = false;
+    write_limit_rows(star, vertices, rows);
+}
+
+void PlanWriter::write_limit_rows(const Topology& star, const std::vector<uint32_t>& vertices, const VertexRows& rows) {
     const uint32_t v = star.face_vertices[0];
     Row row;
     std::vector<TangentWeights> tangents;
@@ -124,6 +80,8 @@ void PlanWriter::write_corner_rows(const Topology& t, const VertexRows& rows) {
     plan.has_corner_rows = true;
 }
 
+namespace {
+
 /// One step across a crease: four lines of points that run along it, `step` numbers a line, give five; line 1
 /// is the crease.
 void refine_crease(const double* lines, size_t step, double sharp, double* child) {
@@ -137,6 +95,8 @@ void refine_crease(const double* lines, size_t step, double sharp, double* child
         child[4 * step + j] = (p2[j] + p3[j]) / 2;
     }
 }
+
+}  // namespace
 
 /// Each step leaves one patch beyond the crease.
 void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, LazyRows& from) {
@@ -170,28 +130,30 @@ void PlanWriter::write_crease(uint32_t node, const PatchPoints& patch, LazyRows&
 }
 
 void PlanWriter::write_reference(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
-    Neighborhood& hood = scratch.hood;
     const uint32_t corner = choose_plan_corner(t, face);
+    Neighborhood& hood = scratch.hood;
     walk_around({t}, face, {corner, false}, hood);
-    const auto first = static_cast<uint32_t>(plan.points.size());
-    for (const uint32_t v : hood.ring) plan.points.push_back(from.write(v, rows()));
-    PlanReference reference{make_plan_key(t, hood, options), {}};
-    size_t at = 0;
-    while (at < out.references.size() && out.references[at].key != reference.key) ++at;
-    plan.nodes[node] = {
-        shared::pack_node(static_cast<uint32_t>(PlanNodeKind::plan), static_cast<uint32_t>(at), corner),
-        first};
-    if (at < out.references.size()) return;
-    if (!known.contains(reference.key)) reference.request = request_plan(t, hood, corner, reference.key);
-    out.references.push_back(std::move(reference));
+    const PlanKey key = make_plan_key(t, hood, options);
+    write_plan_node(node, corner, key, hood.ring, from, [&] { return request_plan(t, hood, corner); });
+}
+
+void PlanWriter::write_patch_reference(uint32_t node, const QuadNet& net, const QuadPattern& pattern, LazyRows& from) {
+    LocalPatch& local = scratch.patch;
+    make_local(net, pattern, local);
+    const PlanKey key = make_patch_key(scheme, local);
+    write_plan_node(node, local.rotation, key, local.ring, from, [&] { return request_patch_plan(local); });
 }
 
 bool PlanWriter::write_regular(uint32_t node, const Topology& t, uint32_t face, LazyRows& from) {
     PatchPoints patch;
-    if (!find_patch_points(t, face, options.linear, patch)) return false;
-    // OpenSubdiv's evaluators know no single-crease patches.
-    if (patch.crease_sharpness > 0 && options.end_cap != EndCap::exact) return false;
-    write_leaf(node, patch, from);
+    if (!find_patch(t, face, options, patch)) return false;
+    if (patch.crease_sharpness > 0 && node != 0) {
+        QuadNet net;
+        const QuadPattern pattern = read_quad_patch(patch, net);
+        write_patch_reference(node, net, pattern, from);
+    } else {
+        write_leaf(node, patch, from);
+    }
     return true;
 }
 
@@ -231,6 +193,8 @@ void PlanWriter::split(uint32_t node, const Topology& t, const VertexRows& rows,
     }
 }
 
+namespace {
+
 /// Whether rules around the vertices of face 0, which are all that its plan depends on, are still to change.
 bool has_fading_rules(const Topology& t) {
     auto is_finite = [](float s) { return s > 0 && !is_infinite(s); };
@@ -249,6 +213,8 @@ bool has_fading_rules(const Topology& t) {
     });
 }
 
+}  // namespace
+
 void PlanWriter::write_root(const Topology& t, const VertexRows& rows) {
     const uint32_t root = add_nodes(1);
     scratch.root.begin(rows, t.vertex_count);
@@ -258,6 +224,8 @@ void PlanWriter::write_root(const Topology& t, const VertexRows& rows) {
     if (options.end_cap == EndCap::exact && !has_fading_rules(t)) write_corner_rows(t, rows);
     split(root, t, rows, 0);
 }
+
+namespace {
 
 /// Turns face 0 so that its corner `rotation` comes first.
 void rotate_first_face(Topology& t, uint32_t rotation) {
@@ -269,19 +237,10 @@ void rotate_first_face(Topology& t, uint32_t rotation) {
             if (c < size) c = (c + size - rotation) % size;
 }
 
-/// Ring points are those of the patch.
-void write_regular_plan(PlanNodeKind kind, BuiltPlan& plan) {
-    const size_t stride = shared::plan_row_stride(plan.ring_size);
-    plan.row_count = plan.ring_size;
-    plan.nodes.push_back({shared::pack_node(static_cast<uint32_t>(kind), 0, 0), 0});
-    plan.weights.assign(plan.row_count * stride, 0.0);
-    for (uint32_t r = 0; r < plan.row_count; ++r) {
-        plan.points.push_back(r);
-        plan.weights[r * stride + r] = 1;
-    }
-}
-
 }  // namespace
+
+/// What keys of patches and stars go on with, in the place of the size of a ring.
+constexpr uint32_t kPatchPlan = ~uint32_t{0}, kStarPlan = kPatchPlan - 1;
 
 PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options) {
     return {static_cast<uint32_t>(o.scheme),
@@ -293,32 +252,128 @@ PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options) {
             options.depth};
 }
 
-NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
-                   PlanScratch& scratch) {
+bool find_patch(const Topology& t, uint32_t face, const PlanOptions& options, PatchPoints& out) {
+    // OpenSubdiv's evaluators know no single-crease patches.
+    return find_patch_points(t, face, options.linear, out) &&
+           (out.crease_sharpness == 0 || options.end_cap == EndCap::exact);
+}
+
+void make_local(QuadNet net, QuadPattern pattern, LocalPatch& out) {
+    out.rotation = turn_quad_patch(net, pattern);
+    out.ring.clear();
+    for (const uint32_t v : net)
+        if (v != kInvalidIndex) out.ring.push_back(v);
+    out.signature = {static_cast<uint32_t>(PlanNodeKind::bicubic), pattern.sharp_edges,
+                     std::bit_cast<uint32_t>(pattern.crease_sharpness)};
+}
+
+void make_local(const PatchPoints& patch, LocalPatch& out) {
+    if (patch.kind == PlanNodeKind::bicubic) {
+        QuadNet net;
+        const QuadPattern pattern = read_quad_patch(patch, net);
+        return make_local(net, pattern, out);
+    }
+    out.rotation = 0;
+    out.ring.clear();
+    out.signature = {static_cast<uint32_t>(patch.kind)};
+    for (uint32_t k = 0; k < patch.count; ++k) {
+        out.signature.push_back(patch.points[k].count);
+        for (const RowEntry& e : patch.points[k]) {
+            const auto at = std::find(out.ring.begin(), out.ring.end(), e.index);
+            out.signature.push_back(static_cast<uint32_t>(at - out.ring.begin()));
+            out.signature.push_back(std::bit_cast<uint32_t>(static_cast<float>(e.weight)));
+            if (at == out.ring.end()) out.ring.push_back(e.index);
+        }
+    }
+}
+
+namespace {
+
+/// The patch over places in its ring.
+PatchPoints read_signature(const std::vector<uint32_t>& signature) {
+    PatchPoints patch;
+    patch.kind = static_cast<PlanNodeKind>(signature[0]);
+    if (patch.kind == PlanNodeKind::bicubic) {
+        const QuadPattern pattern{signature[1], std::bit_cast<float>(signature[2]), 0};
+        QuadNet net;
+        uint32_t place = 0;
+        for (uint32_t k = 0; k < 16; ++k) net[k] = pattern.is_outside(k) ? kInvalidIndex : place++;
+        return make_quad_patch(net, pattern);
+    }
+    for (size_t at = 1; at < signature.size(); ++patch.count) {
+        PatchPoint& point = patch.points[patch.count];
+        for (const size_t end = at + 1 + 2 * size_t{signature[at]}; ++at < end; ++at)
+            point.entries[point.count++] = {signature[at], static_cast<double>(std::bit_cast<float>(signature[at + 1]))};
+    }
+    return patch;
+}
+
+}  // namespace
+
+NewPlan build_plan(const PlanRequest& request, const SchemeOptions& scheme, const PlanOptions& options,
+                   const KnownPlans& known, PlanScratch& scratch) {
     NewPlan out;
     BuiltPlan& plan = *out.plan;
     plan.ring_size = request.ring_size;
-    if (request.part.face_count == 0) {
-        write_regular_plan(request.kind, plan);
-        return out;
-    }
-    VertexRows rows{plan.ring_size, std::vector<double>(request.slots.size() * plan.ring_size, 0.0)};
-    for (uint32_t v = 0; v < request.slots.size(); ++v) rows.row(v)[request.slots[v]] = 1;
+    plan.nodes.reserve(1 + 4 * size_t{options.depth});
+    plan.points.reserve(64 * size_t{options.depth});
+    const bool is_part = request.part != nullptr;
+    const size_t count = is_part ? request.slots.size() : request.ring_size;
+    VertexRows rows{plan.ring_size, std::vector<double>(count * plan.ring_size, 0.0)};
+    for (uint32_t v = 0; v < count; ++v) rows.row(v)[is_part ? request.slots[v] : v] = 1;
     scratch.rows.begin(plan);
-    PlanWriter writer{options, known, out, plan, scratch};
-    writer.write_root(request.part, rows);
+    PlanWriter writer{scheme, options, known, out, plan, scratch};
+    if (is_part)
+        writer.write_root(*request.part, rows);
+    else if (request.star)
+        writer.write_star_root(*request.star, rows);
+    else
+        writer.write_patch_root(read_signature(request.patch), rows);
     scratch.rows.end();
     return out;
 }
 
-PlanRequest request_regular_plan(const SchemeOptions& options, bool linear) {
+LocalPatch make_regular_patch(const SchemeOptions& options, bool linear) {
     const bool triangles = options.scheme == Scheme::loop;
+    PatchPoints patch;
+    patch.count = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
+    patch.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
+                        : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
+    for (uint32_t k = 0; k < patch.count; ++k) {
+        patch.points[k].entries[0] = {k, 1};
+        patch.points[k].count = 1;
+    }
+    LocalPatch local;
+    make_local(patch, local);
+    return local;
+}
+
+PlanKey make_patch_key(const SchemeOptions& options, const LocalPatch& patch) {
+    // Nothing but the scheme and the patch matters.
+    PlanKey key = begin_plan_key({.scheme = options.scheme}, {false, EndCap::exact, 0});
+    key.push_back(kPatchPlan);
+    key.insert(key.end(), patch.signature.begin(), patch.signature.end());
+    return key;
+}
+
+PlanKey make_star_key(const SchemeOptions& scheme, const PlanOptions& options, const QuadStar& star) {
+    PlanKey key = begin_plan_key(scheme, options);
+    key.push_back(kStarPlan);
+    star.append_to(key);
+    return key;
+}
+
+PlanRequest request_star_plan(const QuadStar& star) {
     PlanRequest request;
-    request.key = begin_plan_key({.scheme = options.scheme},
-                                 {linear, EndCap::exact, 0});  // nothing but the scheme matters
-    request.ring_size = linear ? (triangles ? 3 : 4) : (triangles ? 12 : 16);
-    request.kind = linear ? (triangles ? PlanNodeKind::linear : PlanNodeKind::bilinear)
-                          : (triangles ? PlanNodeKind::box_spline : PlanNodeKind::bicubic);
+    request.ring_size = StarRing(star).size;
+    request.star = star;
+    return request;
+}
+
+PlanRequest request_patch_plan(const LocalPatch& patch) {
+    PlanRequest request;
+    request.ring_size = static_cast<uint32_t>(patch.ring.size());
+    request.patch = patch.signature;
     return request;
 }
 
@@ -329,13 +384,12 @@ PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOpt
     return key;
 }
 
-PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key) {
+PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner) {
     PlanRequest request;
-    request.key = std::move(key);
     request.ring_size = static_cast<uint32_t>(hood.ring.size());
     std::vector<uint32_t> vertices;
-    request.part = extract_faces(t, hood.faces, vertices);
-    rotate_first_face(request.part, corner);
+    request.part = std::make_unique<Topology>(extract_faces(t, hood.faces, vertices));
+    rotate_first_face(*request.part, corner);
     for (const uint32_t v : vertices)
         request.slots.push_back(
             static_cast<uint32_t>(std::find(hood.ring.begin(), hood.ring.end(), v) - hood.ring.begin()));

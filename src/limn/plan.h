@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "limn/neighborhood.h"
+#include "limn/patch_points.h"
 #include "limn/patch_table.h"
+#include "limn/quad_star.h"
 #include "limn/topology.h"
 
 namespace limn {
@@ -43,20 +45,43 @@ struct PlanOptions {
 /// at hand, is what find_regular_vertices made.
 uint32_t choose_plan_corner(const Topology& t, uint32_t face, const std::vector<uint8_t>* regular = nullptr);
 
-/// A plan to build: of a face of `t`, with its neighbourhood walked from choose_plan_corner.
-struct PlanRequest {
-    PlanKey key;
-    Topology part;                ///< the face, turned so that the corner is 0, and those around it
-    std::vector<uint32_t> slots;  ///< the place in the ring of each vertex of `part`
-    uint32_t ring_size = 0;
-    PlanNodeKind kind = PlanNodeKind::split;  ///< of a regular face, which has no `part`
+/// The points of a face that is one patch, where that may be a leaf of a plan or a surface.
+bool find_patch(const Topology& t, uint32_t face, const PlanOptions& options, PatchPoints& out);
+
+/// A patch over the few vertices that its points are made of.
+struct LocalPatch {
+    std::vector<uint32_t> ring;       ///< vertices
+    uint32_t rotation = 0;            ///< the corner of the face that is corner 0 of the patch
+    std::vector<uint32_t> signature;  ///< all that it is, but for the vertices: equal where plans are
 };
-/// The plan of faces that have a regular ring (write_regular_ring).
-PlanRequest request_regular_plan(const SchemeOptions& options, bool linear);
+void make_local(const PatchPoints& patch, LocalPatch& out);
+void make_local(QuadNet net, QuadPattern pattern, LocalPatch& out);
+
+/// That of faces that have a regular ring (write_regular_ring).
+LocalPatch make_regular_patch(const SchemeOptions& options, bool linear);
+
+/// A plan to build.
+struct PlanRequest {
+    uint32_t ring_size = 0;
+    /// Of a face that is one patch: its signature. Or else
+    std::vector<uint32_t> patch;
+    /// of one that is irregular at a corner: the star there. Or else
+    std::optional<QuadStar> star;
+    /// a face of some topology, with its neighbourhood walked from choose_plan_corner: turned so that the corner is 0,
+    /// and those around it,
+    std::unique_ptr<Topology> part;
+    std::vector<uint32_t> slots;  ///< and the place in the ring of each vertex of `part`.
+};
 /// What all keys of a mesh begin with.
 PlanKey begin_plan_key(const SchemeOptions& o, const PlanOptions& options);
 PlanKey make_plan_key(const Topology& t, const Neighborhood& hood, const PlanOptions& options);
-PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner, PlanKey key);
+PlanRequest request_plan(const Topology& t, const Neighborhood& hood, uint32_t corner);
+/// Of patches.
+PlanKey make_patch_key(const SchemeOptions& options, const LocalPatch& patch);
+PlanRequest request_patch_plan(const LocalPatch& patch);
+/// Of quads that are irregular at a corner, cut to their sector; those are not one patch.
+PlanKey make_star_key(const SchemeOptions& scheme, const PlanOptions& options, const QuadStar& star);
+PlanRequest request_star_plan(const QuadStar& star);
 
 /// A plan that a new one refers to, and how to build it unless it is known.
 struct PlanReference {
@@ -72,7 +97,7 @@ using KnownPlans = std::unordered_map<PlanKey, uint32_t, PlanKeyHash>;
 struct PlanScratch;  ///< plan_scratch.h
 
 /// Builds a plan. What it refers to and is not known comes with a request.
-NewPlan build_plan(const PlanRequest& request, const PlanOptions& options, const KnownPlans& known,
-                   PlanScratch& scratch);
+NewPlan build_plan(const PlanRequest& request, const SchemeOptions& scheme, const PlanOptions& options,
+                   const KnownPlans& known, PlanScratch& scratch);
 
 }  // namespace limn

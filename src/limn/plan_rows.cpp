@@ -65,30 +65,78 @@ void PlanRows::grow() {
     }
 }
 
-void LazyRows::begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count) {
+void LazyRows::begin(const Topology& parent, size_t width, uint32_t count, RowCache* star) {
     parent_ = &parent;
-    parent_rows_ = &parent_rows;
-    rows.width = parent_rows.width;
-    rows.values.assign(count * rows.width, 0.0);
+    parent_rows_ = nullptr;
+    above_ = nullptr;
+    star_ = star;
+    rows.width = width;
+    if (rows.values.size() < count * width) rows.values.resize(count * width);
     made_.assign(count, 0);
     numbers_.assign(count, kInvalidIndex);
 }
 
+void LazyRows::begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count) {
+    begin(parent, parent_rows.width, count, nullptr);
+    parent_rows_ = &parent_rows;
+}
+
+void LazyRows::begin_star(const Topology& parent, RowCache& cache, size_t width, uint32_t count) {
+    begin(parent, width, count, &cache);
+}
+
+void LazyRows::begin_star(const Topology& parent, RowCache& cache, LazyRows& above,
+                          const std::vector<uint32_t>& vertices, uint32_t count) {
+    begin(parent, above.rows.width, count, &cache);
+    above_ = &above;
+    above_vertices_ = &vertices;
+}
+
 void LazyRows::begin(const VertexRows& known, uint32_t count) {
     rows = known;
+    star_ = nullptr;
     made_.assign(count, 1);
     numbers_.assign(count, kInvalidIndex);
 }
 
 void LazyRows::make(uint32_t v) {
     made_[v] = 1;
-    scratch_.clear();
-    refinement_row(*parent_, v, Interpolation::vertex, scratch_);
-    double* const sum = rows.row(v);
-    for (const RowEntry& e : scratch_) {
-        const double* from = parent_rows_->row(e.index);
-        for (size_t j = 0; j < rows.width; ++j) sum[j] += e.weight * from[j];
+    std::span<const RowEntry> entries;
+    if (star_ != nullptr) {
+        entries = star_->row(*parent_, v);
+    } else {
+        scratch_.clear();
+        refinement_row(*parent_, v, Interpolation::vertex, scratch_);
+        entries = scratch_;
     }
+    double* const sum = rows.row(v);
+    std::fill_n(sum, rows.width, 0.0);
+    if (parent_rows_ == nullptr && above_ == nullptr) {  // points of the ring themselves
+        for (const RowEntry& e : entries) sum[e.index] += e.weight;
+        return;
+    }
+    // Three at a time, added one after the other.
+    size_t k = 0;
+    for (; k + 3 <= entries.size(); k += 3) {
+        const double *a = parent_row(entries[k].index), *b = parent_row(entries[k + 1].index),
+                     *c = parent_row(entries[k + 2].index);
+        const double wa = entries[k].weight, wb = entries[k + 1].weight, wc = entries[k + 2].weight;
+        for (size_t j = 0; j < rows.width; ++j) sum[j] = sum[j] + wa * a[j] + wb * b[j] + wc * c[j];
+    }
+    for (; k < entries.size(); ++k) {
+        const double* from = parent_row(entries[k].index);
+        for (size_t j = 0; j < rows.width; ++j) sum[j] += entries[k].weight * from[j];
+    }
+}
+
+std::span<const RowEntry> RowCache::row(const Topology& parent, uint32_t child) {
+    Place& place = places_[child];
+    if (place.count == 0) {
+        place.first = static_cast<uint32_t>(entries_.size());
+        refinement_row(parent, child, Interpolation::vertex, entries_);
+        place.count = static_cast<uint32_t>(entries_.size()) - place.first;
+    }
+    return {entries_.data() + place.first, place.count};
 }
 
 }  // namespace limn

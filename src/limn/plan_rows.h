@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 
 #include "limn/patch_points.h"
 #include "limn/plan.h"
@@ -50,6 +51,23 @@ class PlanRows {
     uint32_t used_ = 0;
 };
 
+/// Refinement rows of the level after a topology, kept from one plan to the next.
+class RowCache {
+  public:
+    void clear(uint32_t count) {
+        places_.assign(count, {});
+        entries_.clear();
+    }
+    std::span<const RowEntry> row(const Topology& parent, uint32_t child);
+
+  private:
+    struct Place {
+        uint32_t first = 0, count = 0;  ///< none: not yet made
+    };
+    std::vector<Place> places_;
+    Row entries_;
+};
+
 /// The rows of a topology's vertices; those of a refined level are made where they are asked for.
 class LazyRows {
   public:
@@ -57,6 +75,11 @@ class LazyRows {
     void begin(const Topology& parent, const VertexRows& parent_rows, uint32_t count);
     /// Of `count` vertices, whose rows are known.
     void begin(const VertexRows& known, uint32_t count);
+    /// Of the level after that of a star (plan_scratch.h): its vertices are the points of the ring of `width` points
+    /// or, of a deeper level, these ones of `above`. No two rows are equal but those of the star's corner.
+    void begin_star(const Topology& parent, RowCache& cache, size_t width, uint32_t count);
+    void begin_star(const Topology& parent, RowCache& cache, LazyRows& above, const std::vector<uint32_t>& vertices,
+                    uint32_t count);
     const double* row(uint32_t v) {
         if (made_[v] == 0) make(v);
         return rows.row(v);
@@ -65,7 +88,7 @@ class LazyRows {
     uint32_t write(uint32_t v, PlanRows& plan) {
         if (numbers_[v] == kInvalidIndex) {
             row(v);
-            numbers_[v] = plan.write(rows.row(v));
+            numbers_[v] = star_ != nullptr && v != 0 ? plan.append(rows.row(v)) : plan.write(rows.row(v));
         }
         return numbers_[v];
     }
@@ -73,10 +96,17 @@ class LazyRows {
     VertexRows rows;
 
   private:
+    void begin(const Topology& parent, size_t width, uint32_t count, RowCache* star);
+    const double* parent_row(uint32_t v) {
+        return parent_rows_ != nullptr ? parent_rows_->row(v) : above_->row((*above_vertices_)[v]);
+    }
     void make(uint32_t v);
 
     const Topology* parent_ = nullptr;
     const VertexRows* parent_rows_ = nullptr;
+    LazyRows* above_ = nullptr;
+    const std::vector<uint32_t>* above_vertices_ = nullptr;
+    RowCache* star_ = nullptr;
     std::vector<uint8_t> made_;
     std::vector<uint32_t> numbers_;  ///< kInvalidIndex where not yet written
     Row scratch_;

@@ -33,7 +33,7 @@ Result<void> PlanSet::build(const BuildPart& part) {
         std::vector<NewPlan> built(batch.size());
         for_each_index(
             static_cast<uint32_t>(batch.size()), rest.part(0, 0.5f),
-            [&](uint32_t i) { built[i] = build_plan(batch[i].request, options_, numbers_, scratch.local()); },
+            [&](uint32_t i) { built[i] = build_plan(batch[i].request, scheme_, options_, numbers_, scratch.local()); },
             1);
         if (auto ok = rest.check(); !ok) return ok;
         rest = rest.part(0.5f, 1);

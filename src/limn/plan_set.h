@@ -28,7 +28,8 @@ struct PlanCache::Impl {
 /// Plans of one build: taken from the cache or, where missing, built on all cores.
 class PlanSet {
   public:
-    PlanSet(const PlanOptions& options, PlanCache::Impl& cache) : options_(options), cache_(cache) {}
+    PlanSet(const SchemeOptions& scheme, const PlanOptions& options, PlanCache::Impl& cache)
+        : scheme_(scheme), options_(options), cache_(cache) {}
 
     /// The number of the plan of this key; `make_request` is called where it is not known yet.
     template <class MakeRequest>
@@ -65,6 +66,7 @@ class PlanSet {
     const BuiltPlan* find_cached(const PlanKey& key) const;
     void keep_in_cache();
 
+    SchemeOptions scheme_;
     PlanOptions options_;
     PlanCache::Impl& cache_;
     KnownPlans numbers_;

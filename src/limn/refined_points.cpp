@@ -19,15 +19,13 @@ IndexList pack_indices(Array<uint32_t>&& indices, uint32_t bound, const BuildPar
         list.words = std::move(indices);
         return list;
     }
-    const size_t count = indices.size();
-    list.words.allocate((count + 1) / 2);
+    const auto pairs = static_cast<uint32_t>(indices.size() / 2);
+    list.words.allocate((indices.size() + 1) / 2);
+    uint32_t* const to = list.words.data();
+    const uint32_t* const from = indices.data();
     for_each_index(
-        static_cast<uint32_t>(list.words.size()), part,
-        [&](uint32_t i) {
-            const size_t k = 2 * size_t{i};
-            list.words[i] = indices[k] | (k + 1 < count ? indices[k + 1] << 16 : 0);
-        },
-        1 << 15);
+        pairs, part, [&](uint32_t i) { to[i] = from[2 * size_t{i}] | from[2 * size_t{i} + 1] << 16; }, 1 << 15);
+    if (indices.size() % 2 != 0) list.words.back() = indices.back();
     return list;
 }
 
@@ -135,9 +133,12 @@ struct RowMaker {
     PointBlock<Real> make(uint32_t first_child, std::vector<uint32_t> children) const {
         PointBlock<Real> block;
         block.children = std::move(children);
+        block.pattern_of_row.reserve(block.children.size());
+        block.indices.reserve(8 * block.children.size());
         std::unordered_multimap<uint64_t, uint32_t> patterns_by_hash;
         Row row;
         std::vector<Real> weights;
+        uint32_t pattern = 0;
         for (const uint32_t child : block.children) {
             row.clear();
             if (base.options.scheme == Scheme::doo_sabin)
@@ -145,36 +146,51 @@ struct RowMaker {
             else
                 refinement_row(base, first_child + child, rules, row);
             append(row, block.indices, weights);
-            const uint64_t hash = hash_weights<Real>(weights);
-            const auto [begin, end] = patterns_by_hash.equal_range(hash);
-            auto at = std::find_if(begin, end, [&](const auto& entry) {
-                return std::ranges::equal(weights_of(block, block.patterns[entry.second]), weights);
-            });
-            if (at == end) {
-                at = patterns_by_hash.emplace(hash, static_cast<uint32_t>(block.patterns.size()));
-                block.patterns.push_back({hash, static_cast<uint32_t>(weights.size()),
-                                          static_cast<uint32_t>(block.weights.size())});
-                block.weights.insert(block.weights.end(), weights.begin(), weights.end());
-            }
-            ++block.patterns[at->second].row_count;
-            block.pattern_of_row.push_back(at->second);
+            // Most rows are as the one before.
+            if (!has_weights(block, pattern, weights)) pattern = find_pattern(block, weights, patterns_by_hash);
+            ++block.patterns[pattern].row_count;
+            block.pattern_of_row.push_back(pattern);
         }
         return block;
+    }
+
+  private:
+    static bool has_weights(const PointBlock<Real>& block, uint32_t pattern, const std::vector<Real>& weights) {
+        return pattern < block.patterns.size() && std::ranges::equal(weights_of(block, block.patterns[pattern]), weights);
+    }
+    static uint32_t find_pattern(PointBlock<Real>& block, const std::vector<Real>& weights,
+                                 std::unordered_multimap<uint64_t, uint32_t>& patterns_by_hash) {
+        const uint64_t hash = hash_weights<Real>(weights);
+        const auto [begin, end] = patterns_by_hash.equal_range(hash);
+        const auto at =
+            std::find_if(begin, end, [&](const auto& entry) { return has_weights(block, entry.second, weights); });
+        if (at != end) return at->second;
+        const auto number = static_cast<uint32_t>(block.patterns.size());
+        patterns_by_hash.emplace(hash, number);
+        block.patterns.push_back(
+            {hash, static_cast<uint32_t>(weights.size()), static_cast<uint32_t>(block.weights.size())});
+        block.weights.insert(block.weights.end(), weights.begin(), weights.end());
+        return number;
     }
     /// Adds up what a row says of the same control point.
     void append(const Row& row, std::vector<uint32_t>& indices, std::vector<Real>& weights) const {
         const size_t begin = indices.size();
-        weights.clear();
+        indices.resize(begin + row.size());
+        weights.resize(row.size());
+        uint32_t* const to = indices.data() + begin;
+        size_t count = 0;
         for (const RowEntry& e : row) {
             const uint32_t index = control_indices.empty() ? e.index : control_indices[e.index];
-            size_t at = begin;
-            while (at < indices.size() && indices[at] != index) ++at;
-            if (at == indices.size()) {
-                indices.push_back(index);
-                weights.push_back(0);
+            size_t at = 0;
+            while (at < count && to[at] != index) ++at;
+            if (at == count) {
+                to[count] = index;
+                weights[count++] = 0;
             }
-            weights[at - begin] += static_cast<Real>(e.weight);
+            weights[at] += static_cast<Real>(e.weight);
         }
+        indices.resize(begin + count);
+        weights.resize(count);
     }
 };
 

@@ -143,7 +143,7 @@ void assign_sharpness(const ControlMesh& mesh, Topology& t, const Array<uint8_t>
         if (is_always_infinite(t, e, non_manifold_edges)) t.edge_sharpness[e] = kInfiniteSharpness;
     });
     for_each_index(t.vertex_count, part.part(0.6f, 0.9f),
-                   [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); });
+                   [&](uint32_t v) { sharpen_vertex(t, v, non_manifold_edges); }, 256);
     build_half_edge_sharpness(t, part.part(0.95f, 1));
 }
 

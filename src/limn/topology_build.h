@@ -22,6 +22,17 @@ inline Array<uint32_t> offsets_from_counts(const Array<uint32_t>& counts) {
     return offsets;
 }
 
+/// Topology::face_of_corner, next_corner and previous_corner, without a division where all faces are quads.
+inline uint32_t face_at(const Topology& t, uint32_t c) {
+    return t.face_size == 4 ? c / 4 : t.face_of_corner(c);
+}
+inline uint32_t next_in_face(const Topology& t, uint32_t c) {
+    return t.face_size == 4 ? (c & ~3u) | ((c + 1) & 3u) : t.next_corner(c);
+}
+inline uint32_t previous_in_face(const Topology& t, uint32_t c) {
+    return t.face_size == 4 ? (c & ~3u) | ((c + 3) & 3u) : t.previous_corner(c);
+}
+
 /// Groups 0 .. count - 1 by key(i) < key_count, ascending within each group.
 template <class Key>
 void group_by(uint32_t count, uint32_t key_count, const Key& key, Array<uint32_t>& offsets,

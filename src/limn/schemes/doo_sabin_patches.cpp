@@ -233,7 +233,7 @@ class ChunkWriter {
         const std::array<uint64_t, 2> sizes = {near, far};
         uint32_t at = 0;
         while (at < out_.kinds.size() && out_.kinds[at].hash != sizes) ++at;
-        if (at == out_.kinds.size()) out_.kinds.push_back({sizes, candidate, near == 4});
+        if (at == out_.kinds.size()) out_.kinds.push_back({sizes, candidate, PlanSource::neighborhood});
         return at;
     }
 
