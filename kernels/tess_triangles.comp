@@ -1,6 +1,6 @@
 // Triangles of a tessellation: three indices each, and the face that each belongs to.
-// kLanes invocations per ptex face, which take turns. Each reads the face's sides for itself: sharing them behind a barrier
-// made llvmpipe slower (rate 4: from 1.1 to 1.3 of the time of the vertices).
+// lane_count() invocations per ptex face, which take turns. Each reads the face's sides for itself: sharing them behind a
+// barrier made llvmpipe slower (rate 4: from 1.1 to 1.3 of the time of the vertices).
 // Reads: tables, rates, offsets. Writes: each triangle once; of them those within the slice that is bound. Deterministic.
 // kOutput: kTessFacesOfTriangles, kTessClockwise. Payload: 0: base of indices, 2: of faces; 4, 5: triangles of the slice, first and end
 #version 450
@@ -63,7 +63,7 @@ void write(uint triangle, uint face, uint a, uint b, uint c) {
 }
 
 void main() {
-    const uint invocation = global_invocation(), face = invocation / kLanes, lane = invocation % kLanes;
+    const uint face = shared_item(), lane = lane_of_item(), lanes = lane_count();
     if (face >= params.face_count || is_empty() || !is_drawn(face)) return;
     const uint item = items_at() + 2 * (params.row_count + face), inner = SETTLED(item);
     uint triangle = SETTLED(item + 1);
@@ -73,14 +73,14 @@ void main() {
     const uint inner_triangles = inner_triangle_count(p);
     TessVertex a, b, c;
     if (kTriangles == 0) {
-        for (uint cell = lane; cell < inner_triangles / 2; cell += kLanes) {
+        for (uint cell = lane; cell < inner_triangles / 2; cell += lanes) {
             uint corners[4];
             grid_cell(p, 1 + cell % (p.columns - 2), 1 + cell / (p.columns - 2), corners);
             write(triangle + 2 * cell, face, inner + corners[0], inner + corners[1], inner + corners[2]);
             write(triangle + 2 * cell + 1, face, inner + corners[0], inner + corners[2], inner + corners[3]);
         }
     } else {
-        for (uint i = lane; i < inner_triangles; i += kLanes) {
+        for (uint i = lane; i < inner_triangles; i += lanes) {
             inner_triangle(p, i, a, b, c);
             write(triangle + i, face, inner + a.i, inner + b.i, inner + c.i);
         }
@@ -90,7 +90,7 @@ void main() {
     [[unroll]] for (uint k = 0; k < 4; ++k) {
         if (kTriangles != 0 && k == 3) break;
         const uint n = p.segments[k], count = strip_triangle_count(p, k);
-        for (uint i = lane; i < (hollow ? 0 : count); i += kLanes) {
+        for (uint i = lane; i < (hollow ? 0 : count); i += lanes) {
             strip_triangle(p, k, i, a, b, c);
             const bool outer = i < n;  // stands on the side, or on the inside
             const uint x = outer ? side_vertex(p, k, sides[k], a.i) : inner + a.i;
@@ -98,7 +98,7 @@ void main() {
             const uint z = outer ? inner + c.i : side_vertex(p, k, sides[k], c.i);
             write(triangle + i, face, x, y, z);
         }
-        for (uint i = lane; i < (hollow ? count : 0); i += kLanes) {
+        for (uint i = lane; i < (hollow ? count : 0); i += lanes) {
             hollow_triangle(p, k, i, a, b, c);
             uint v[3];
             [[unroll]] for (uint corner = 0; corner < 3; ++corner) {

@@ -12,7 +12,6 @@ layout(constant_id = kTessTrianglesConstant) const uint kTriangles = 0;
 layout(constant_id = kTessSpacingConstant) const uint kSpacing = 0;
 layout(constant_id = kTessModeConstant) const uint kMode = 0;
 layout(constant_id = kTessOutputConstant) const uint kOutput = 0;
-layout(constant_id = kTessLanesConstant) const uint kLanes = 8;
 
 layout(std430, push_constant) uniform Push { TessParams params; };
 layout(std430, binding = kTessStateBinding) buffer State { uint state[]; };
@@ -66,6 +65,10 @@ uint global_invocation() {
     return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kTessWorkgroupSize + gl_LocalInvocationID.x;
 }
 uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
+// Invocations share rows or faces, so many each.
+uint lane_count() { return 1u << payload(kTessLanesPayload); }
+uint shared_item() { return global_invocation() >> payload(kTessLanesPayload); }
+uint lane_of_item() { return global_invocation() & (lane_count() - 1); }
 bool is_empty() { return SETTLED(kTessResultStatus) >= kTessTooSmall; }
 
 uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }

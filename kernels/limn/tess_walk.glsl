@@ -1,12 +1,11 @@
-// All vertices of a domain (kMode), each once: corners one invocation each, rows and faces kLanes invocations each, which
+// All vertices of a domain (kMode), each once: corners one invocation each, rows and faces shared_item() by invocations that
 // take turns. Before it: visit(vertex, face, u, v). Payload 4 and 5: vertices of the slice, first and end.
 
 uint rate_of(uint edge) { return SETTLED(rates_at() + edge); }
 #include "limn/tess_counts.glsl"
 
 void main() {
-    const uint invocation = global_invocation(), lanes = kMode == kTessCorners ? 1 : kLanes;
-    const uint item = invocation / lanes;
+    const uint item = shared_item(), lanes = lane_count();
     if (is_empty()) return;
     // The item's vertices [begin, end), and those of them within the slice.
     uint begin = item, end = item + 1, face = item, place = 0, rate = 0;
@@ -32,7 +31,7 @@ void main() {
         }
     }
     const uint first = max(begin, payload(4)), last = min(end, payload(5));
-    for (uint vertex = first + invocation % lanes; vertex < last; vertex += lanes) {
+    for (uint vertex = first + lane_of_item(); vertex < last; vertex += lanes) {
         float u, v;
         if (kMode == kTessCorners) {
             u = float(place & 3) * 0.5;

@@ -26,7 +26,6 @@ const uint kTessTrianglesConstant = 0;  // 1: Loop
 const uint kTessSpacingConstant = 1;
 const uint kTessModeConstant = 2;    // what a kernel has variants of: rate mode, culling, domain
 const uint kTessOutputConstant = 3;  // what vertices get
-const uint kTessLanesConstant = 4;   // invocations that share a row or a face
 
 // Domains of vertices.
 const uint kTessCorners = 0;
@@ -70,7 +69,9 @@ const uint kInstanceHidden = 1;         // no triangles, no vertices but corners
 const uint kInstanceKeepOutside = 2;    // not culled by the frustum
 const uint kInstanceKeepBackfaces = 4;  // not culled by what faces away
 
-// Push constants: what all kernels take, and a payload of each one's own.
+// Push constants: what all kernels take, and a payload of each one's own. Where invocations share rows or faces, its last
+// element is how many do: 2 to that power.
+const uint kTessLanesPayload = 17;
 struct TessParams {
     TreeOffsets tree;
     TessOffsets table;
