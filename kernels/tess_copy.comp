@@ -22,7 +22,7 @@ void main() {
         copy_vertex(WORD(at), WORD(at + 1));
         return;
     }
-    const uint to = items_at() + 2 * WORD(at), from = items_at() + 2 * WORD(at + 1);
-    const uint to_begin = SETTLED(to), from_begin = SETTLED(from), count = SETTLED(to + 2) - to_begin;
+    const uint to = WORD(at), to_begin = first_vertex(to), from_begin = first_vertex(WORD(at + 1));
+    const uint count = first_vertex(to + 1) - to_begin;
     for (uint i = lane_of_item(); i < count; i += lane_count()) copy_vertex(to_begin + i, from_begin + i);
 }

@@ -60,9 +60,17 @@ uint items_at() { return tess_items(params.rate_edge_count, params.face_count); 
 uint blocks_at() { return tess_blocks(params.rate_edge_count, params.face_count, params.row_count); }
 uint trials_at() { return tess_trials(params.rate_edge_count, params.face_count, params.row_count); }
 uint item_count() { return tess_item_count(params.row_count, params.face_count); }
+uint block_count() { return tess_block_count(params.row_count, params.face_count); }
 
 uint global_invocation() {
     return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kTessWorkgroupSize + gl_LocalInvocationID.x;
+}
+// Where vertices and triangles of an item begin: a row, or row_count and a face, or item_count(), their end.
+uint first_vertex(uint item) {
+    return SETTLED(blocks_at() + 2 * (item / kTessBlockItems)) + SETTLED(items_at() + 2 * item);
+}
+uint first_triangle(uint item) {
+    return SETTLED(blocks_at() + 2 * (item / kTessBlockItems) + 1) + SETTLED(items_at() + 2 * item + 1);
 }
 uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
 // Invocations share rows or faces, so many each.

@@ -18,9 +18,9 @@ void main() {
         if (face == kNoFace) return;  // of a crowd: nobody's
     } else {
         if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
-        const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
-        begin = SETTLED(at);
-        end = SETTLED(at + 2);
+        const uint of_all = kMode == kTessRows ? item : params.row_count + item;
+        begin = first_vertex(of_all);
+        end = first_vertex(of_all + 1);
         if (begin == end) return;
         if (kMode == kTessRows) {
             rate = rate_of(row_word(item, 0));

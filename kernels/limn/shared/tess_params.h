@@ -88,8 +88,8 @@ LIMN_LAYOUT(TessParams, 128)
 const uint kTessRatesOnly = 3;
 
 // The state, in words: the result, then for each rate edge a target (float) and a rate, for each face whether it is
-// drawn, for each row, then for each face, and then for their end, where its vertices and triangles begin, and the same
-// sums for blocks of these.
+// drawn; for each item, that is each row, then each face, and then their end, how many vertices and triangles come before it
+// in its block; and where those of blocks begin.
 const uint kTessResultWords = 8;
 const uint kTessTargets = kTessResultWords;
 LIMN_FN uint tess_rates(uint rate_edge_count) {
@@ -108,7 +108,7 @@ LIMN_FN uint tess_blocks(uint rate_edge_count, uint face_count, uint row_count) 
     return tess_items(rate_edge_count, face_count) + 2u * (tess_item_count(row_count, face_count) + 1u);
 }
 LIMN_FN uint tess_block_count(uint row_count, uint face_count) {
-    return (tess_item_count(row_count, face_count) + kTessBlockItems - 1u) / kTessBlockItems;
+    return tess_item_count(row_count, face_count) / kTessBlockItems + 1u;
 }
 // Vertices and triangles, low and high words, at each of the scales that are tried; then those scales.
 const uint kTessTrials = 32;
@@ -128,6 +128,8 @@ const uint kTessResultVertices = 1;
 const uint kTessResultTriangles = 2;
 const uint kTessResultScale = 3;      // float
 const uint kTessResultNotFinite = 4;
+const uint kTessNeededVertices = 5;   // whatever the capacity
+const uint kTessNeededTriangles = 6;
 
 // In the order of TessellationStatus.
 const uint kTessComplete = 0;

@@ -280,9 +280,8 @@ Result<void> TessellationPreparation::add_rates() {
         out.rates.push_back({add(kTessScanKernel, 1, p, shared::kTessRatesOnly)});
         return failed;
     }
-    out.rates.push_back({add(kTessCountKernel, items, p, 0)});
+    out.rates.push_back({add(kTessCountKernel, items + 1, p, 0)});
     out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
-    out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
     return failed;
 }
 
