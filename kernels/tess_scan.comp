@@ -2,7 +2,7 @@
 // One workgroup; an invocation per run of blocks.
 // Reads: sums of blocks, capacities. Writes: where blocks begin, the result, VkDrawIndexedIndirectCommand. Deterministic.
 // Payload: 1, 2: capacities of vertices and triangles; 4: the command, 5: the caller's result, in words of their buffers,
-// or kNoFace. kMode: kTessRatesOnly: the result alone.
+// or kNoFace; 6, 7: workgroups of kTessScaleItems. kMode: kTessRatesOnly: the result alone; kTessTry.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "limn/tess_bindings.glsl"
@@ -17,12 +17,24 @@ uvec2 add(uvec2 a, uvec2 b) { return a + min(b, ~a); }
 
 uvec2 block_sum(uint block) { return uvec2(SETTLED(blocks_at() + 2 * block), SETTLED(blocks_at() + 2 * block + 1)); }
 
+void write_groups(uint at, bool any, uint x, uint y) {
+    state[at] = any ? x : 0;
+    state[at + 1] = any ? y : 0;
+    state[at + 2] = any ? 1 : 0;
+}
+
 void finish(uvec2 total) {
     uint status = state[kTessResultStatus];
     const float scale = uintBitsToFloat(state[kTessResultScale]);
     const uint vertices = floatBitsToUint(params.payload[1]), triangles = floatBitsToUint(params.payload[2]);
     if (status == kTessComplete && state[kTessResultNotFinite] != 0) status = kTessNotFinite;
-    if (status == kTessComplete && (total.x > vertices || total.y > triangles)) status = kTessTooSmall;
+    const bool too_small = status == kTessComplete && (total.x > vertices || total.y > triangles);
+    if (kMode == kTessTry) {
+        write_groups(kTessScaleItems, too_small, payload(6), payload(7));
+        write_groups(kTessScaleOnce, too_small, 1, 1);
+        if (too_small) return;
+    }
+    if (too_small) status = kTessTooSmall;
     if (status == kTessComplete && scale < 1) status = kTessScaled;
     state[kTessNeededVertices] = total.x;
     state[kTessNeededTriangles] = total.y;

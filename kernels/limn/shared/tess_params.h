@@ -86,11 +86,14 @@ LIMN_LAYOUT(TessParams, 128)
 
 // A mode of tess_budget and tess_scan: there are no vertices and triangles, and the state ends where those begin.
 const uint kTessRatesOnly = 3;
+// A mode of tess_scan: where the capacity does not hold all, it finishes nothing, but has rates scaled: it writes how many
+// workgroups the dispatches get that do so.
+const uint kTessTry = 4;
 
 // The state, in words: the result, then for each rate edge a target (float) and a rate, for each face whether it is
 // drawn; for each item, that is each row, then each face, and then their end, how many vertices and triangles come before it
 // in its block; and where those of blocks begin.
-const uint kTessResultWords = 8;
+const uint kTessResultWords = 16;
 const uint kTessTargets = kTessResultWords;
 LIMN_FN uint tess_rates(uint rate_edge_count) {
     return kTessTargets + rate_edge_count;
@@ -130,6 +133,8 @@ const uint kTessResultScale = 3;      // float
 const uint kTessResultNotFinite = 4;
 const uint kTessNeededVertices = 5;   // whatever the capacity
 const uint kTessNeededTriangles = 6;
+const uint kTessScaleItems = 8;  // VkDispatchIndirectCommand of what goes through items or edges; all zeros: all fits
+const uint kTessScaleOnce = 11;  // of what is one workgroup
 
 // In the order of TessellationStatus.
 const uint kTessComplete = 0;

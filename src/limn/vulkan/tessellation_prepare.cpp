@@ -270,18 +270,31 @@ Result<void> TessellationPreparation::add_rates() {
     p.payload[0] = shared::measures_edges(static_cast<uint32_t>(info.mode));
     p.payload[4] = word(command);
     p.payload[5] = word(result);
-    if (info.fit_capacity && !rates_only)
-        for (const uint32_t mode : {1u, 2u}) {
-            out.rates.push_back({add(kTessTrialKernel, items, p, 0)});
-            out.rates.push_back({add(kTessBudgetKernel, 1, p, mode)});
-        }
     out.rates.push_back({add(kTessRoundKernel, edges, p, 0)});
     if (rates_only) {
         out.rates.push_back({add(kTessScanKernel, 1, p, shared::kTessRatesOnly)});
         return failed;
     }
+    Dispatch groups = {};
+    out.sets.set_groups(groups, std::max(edges, items + 1) / shared::kTessWorkgroupSize + 1);
+    p.payload[6] = word(groups.groups[0]);
+    p.payload[7] = word(groups.groups[1]);
     out.rates.push_back({add(kTessCountKernel, items + 1, p, 0)});
-    out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
+    out.rates.push_back({add(kTessScanKernel, 1, p, info.fit_capacity ? shared::kTessTry : 0)});
+    if (!info.fit_capacity) return failed;
+    const auto add_scaled = [&](TessKernel kernel, uint32_t mode, uint32_t groups_at) {
+        Dispatch again = add(kernel, 1, p, mode);
+        again.indirect = out.words.handle;
+        again.indirect_bytes = VkDeviceSize{4} * groups_at;
+        out.scaled.push_back({again});
+    };
+    for (const uint32_t mode : {1u, 2u}) {
+        add_scaled(kTessTrialKernel, 0, shared::kTessScaleItems);
+        add_scaled(kTessBudgetKernel, mode, shared::kTessScaleOnce);
+    }
+    add_scaled(kTessRoundKernel, 0, shared::kTessScaleItems);
+    add_scaled(kTessCountKernel, 0, shared::kTessScaleItems);
+    add_scaled(kTessScanKernel, 0, shared::kTessScaleOnce);
     return failed;
 }
 
@@ -298,7 +311,7 @@ Result<void> TessellationPreparation::add_instance_commands() {
     p.payload[2] = word(info.number_instances ? 1 : 0);
     auto made = dispatch(kTessCommandsKernel, *set, table().instance_count, p);
     if (!made) return made.error();
-    out.rates.push_back({*made});
+    out.instance_commands.push_back(*made);
     return {};
 }
 
@@ -511,7 +524,7 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     out.max_rate = table.max_rate;
     out.table = &table;
     const VkDeviceSize words = word_bytes_of(table, table.rate_edge_count, is_rates_only(info));
-    auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
+    auto buffer = create_buffer(*state_->device, words, kPointUsage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::device);
     if (!buffer) return buffer.error();
     out.words = std::move(*buffer);
     TessellationPreparation preparation{*state_, info, out};

@@ -47,7 +47,9 @@ struct Tessellation::State {
     std::vector<Buffer> local;           ///< of vertices, channels, the last frame
     std::vector<SurfaceEvaluation> local_points;
     Dispatch begin = {}, targets = {}, drawn = {};
-    std::vector<Stage> rates;  ///< from targets and drawn faces to offsets
+    std::vector<Stage> rates;   ///< from targets and drawn faces to offsets
+    std::vector<Stage> scaled;  ///< the same with rates scaled to fit, without workgroups where all fits as it is
+    Stage instance_commands;
     PositionPass plain, displaced;
     ItemStage triangles, heights;
     Buffer own_heights;

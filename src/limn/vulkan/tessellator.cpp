@@ -191,11 +191,17 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
         payload[16] = settings.bound;
     });
     s.record_stage(command_buffer, {&drawn, 1});
-    for (const Stage& stage : s.rates) {
-        Stage copies = stage;
-        for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
-        s.record_stage(command_buffer, copies);
-    }
+    const auto record_stages = [&](std::span<const Stage> stages) {
+        for (const Stage& stage : stages) {
+            Stage copies = stage;
+            for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
+            s.record_stage(command_buffer, copies);
+        }
+    };
+    record_stages(s.rates);
+    if (!s.scaled.empty()) record_barrier(s.device(), command_buffer, kKernelWrites, kIndirectReads);
+    record_stages(s.scaled);
+    if (!s.instance_commands.empty()) record_stages({&s.instance_commands, 1});
     return checked;
 }
 
