@@ -15,7 +15,7 @@ namespace {
 
 using vk::Buffer;
 
-constexpr uint32_t kRates[] = {4, 8, 16, 32};
+constexpr uint32_t kRates[] = {2, 4, 8, 16, 32};
 constexpr uint32_t kMaxTriangles = 11'000'000;  // of one frame here: what 32-bit floats of 128 MiB hold
 constexpr const char* kPasses[] = {"points", "rates", "triangles", "vertices"};
 

@@ -1,7 +1,7 @@
 // Vertices and triangles of each row and face: how many of its block come before it, and how many the block has.
 // One invocation per row and face, and one behind them; a workgroup is a block. Each adds up what all before it counted: on
-// llvmpipe reads of shared memory that are the same for all invocations cost next to nothing, a scan in steps seven times
-// that.
+// llvmpipe reads of shared memory that are the same for all invocations cost next to nothing (33,000 items: 1.0 ms of CPU
+// time in all, a scan in steps by itself 2.9).
 // Reads: tables, rates, which faces are drawn. Writes: sums within blocks, and of blocks. Deterministic: sums are of integers.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -13,8 +13,9 @@ const uint kRowX = 0, kRowY = 4, kRowW = 8, kViewport = 12, kValue = 14, kGiven 
 TessPoint edge_sample(uint edge, uint i) {
     float t, u, v;
     const uint row = row_of_rate_sample(edge_word(edge, 0), i, t);
-    locate_on_row(row_word(row, 2), t, u, v);
-    const vec3 p = tree_point(params.tree, row_word(row, 1), u, v);
+    const uvec4 words = row_words(row);
+    locate_on_row(words[2], t, u, v);
+    const vec3 p = tree_point(params.tree, words[1], u, v);
     return TessPoint(p.x, p.y, p.z);
 }
 
@@ -35,7 +36,7 @@ void main() {
         const bool looks = kMode != kRateUniform && kMode != kRatePerEdge;
         const bool placed = payload(kInstances) != kNoFace;
         const uint instance =
-            placed ? instance_of(payload(kInstances), row_word(side_row(edge_word(edge, 0)), 1)) : 0;
+            placed ? instance_of(payload(kInstances), row_words(side_row(edge_word(edge, 0)))[1]) : 0;
         float scale = 1;
         if (placed) {
             scale = instances[instance].value_scale;

@@ -1,6 +1,5 @@
 // Triangles of a tessellation: three indices each, and the face that each belongs to.
-// lane_count() invocations per ptex face, which take turns. Each reads the face's sides for itself: sharing them behind a
-// barrier made llvmpipe slower (rate 4: from 1.1 to 1.3 of the time of the vertices).
+// lane_count() invocations per ptex face, which take turns. Each reads the face's sides for itself.
 // Reads: tables, rates, offsets. Writes: each triangle once; of them those within the slice that is bound. Deterministic.
 // kOutput: kTessFacesOfTriangles, kTessClockwise. Payload: 0: base of indices, 2: of faces; 4, 5: triangles of the slice, first and end
 #version 450
@@ -21,12 +20,12 @@ struct Side {
     uint middle;
 };
 
-Side read_side(uint face, uint k, TessPattern p) {
-    const uint word = face_word(face, k), n = p.segments[k], row = side_row(word);
+Side read_side(uvec4 words, uvec4 corners, uint k, TessPattern p) {
+    const uint word = words[k], n = p.segments[k], row = side_row(word);
     const bool reversed = (word & kSideReversed) != 0;
     Side side;
-    side.begin = face_word(face, 4 + k);
-    side.end = face_word(face, 4 + (k + 1) % side_count(p));
+    side.begin = corners[k];
+    side.end = corners[kTriangles != 0 ? (k + 1) % 3 : (k + 1) % 4];
     side.step = reversed ? ~0u : 1;
     // Points of a row are 1 .. n - 1; reversed n - i.
     side.first = first_vertex(row) - 1;
@@ -34,7 +33,7 @@ Side read_side(uint face, uint k, TessPattern p) {
     side.middle = 0;
     if (p.halves[k]) {
         const uint next = first_vertex(row + 1) - 1 - n / 2;
-        side.middle = row_word(row, 3);
+        side.middle = row_words(row)[3];
         side.second_first = reversed ? side.first + n : next;
         side.first = reversed ? next + n : side.first;
     } else if (reversed) {
@@ -86,7 +85,7 @@ void write_inside(TessPattern p, uint face, uint inner, uint triangle) {
     }
 }
 
-void write_strip(TessPattern p, uint k, uint face, Side side, Side across, uint inner, uint triangle) {
+void write_strip(TessPattern p, uint k, uint face, Side side, Side across, uint inner, inout uint triangle) {
     const uint count = strip_triangle_count(p, k), lanes = lane_count();
     const bool ladder = is_hollow(p);
     uint i = lane_of_item();
@@ -99,6 +98,7 @@ void write_strip(TessPattern p, uint k, uint face, Side side, Side across, uint 
         write(i < count, triangle + i, face, t.outer ? on_side : inside, next, t.outer ? apex : on_side);
         i += lanes;
     } while (i < count);
+    triangle += count;
 }
 
 void write_hollow(TessPattern p, uint face, Side sides[4], uint triangle) {
@@ -118,18 +118,20 @@ void main() {
     if (face >= params.face_count || is_empty() || !is_drawn(face)) return;
     const uint inner = first_vertex(params.row_count + face);
     uint triangle = first_triangle(params.row_count + face);
-    const TessPattern p = pattern_of(face);
+    const uvec4 words = face_sides(face), corners = face_corners(face);
+    const TessPattern p = pattern_of(words);
     Side sides[4];
-    [[unroll]] for (uint k = 0; k < 4; ++k) sides[k] = read_side(face, kTriangles != 0 ? min(k, 2) : k, p);
+    [[unroll]] for (uint k = 0; k < 4; ++k) sides[k] = read_side(words, corners, kTriangles != 0 ? min(k, 2) : k, p);
     write_inside(p, face, inner, triangle);
     triangle += inner_triangle_count(p);
     if (kTriangles != 0 && is_hollow(p)) {
         write_hollow(p, face, sides, triangle);
         return;
     }
-    [[unroll]] for (uint k = 0; k < 4; ++k) {
-        if (kTriangles != 0 && k == 3) break;
-        write_strip(p, k, face, sides[k], sides[(k + 2) % 4], inner, triangle);
-        triangle += strip_triangle_count(p, k);
-    }
+    // One by one: Mesa does not unroll a loop around loops, and reads arrays at indices that are no constants element by
+    // element (four times the time).
+    write_strip(p, 0, face, sides[0], sides[2], inner, triangle);
+    write_strip(p, 1, face, sides[1], sides[3], inner, triangle);
+    write_strip(p, 2, face, sides[2], sides[0], inner, triangle);
+    if (kTriangles == 0) write_strip(p, 3, face, sides[3], sides[1], inner, triangle);
 }

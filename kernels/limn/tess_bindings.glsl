@@ -79,6 +79,9 @@ uint shared_item() { return global_invocation() >> payload(kTessLanesPayload); }
 uint lane_of_item() { return global_invocation() & (lane_count() - 1); }
 bool is_empty() { return SETTLED(kTessResultStatus) >= kTessTooSmall; }
 
-uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }
-uint row_word(uint row, uint i) { return WORD(params.table.rows + kTessRowWords * row + i); }
+// Tables begin at multiples of four words.
+uvec4 face_sides(uint face) { return WORD_GROUP(params.table.faces / 4 + kTessFaceWords / 4 * face); }
+uvec4 face_corners(uint face) { return WORD_GROUP(params.table.faces / 4 + kTessFaceWords / 4 * face + 1); }
+uvec4 row_words(uint row) { return WORD_GROUP(params.table.rows / 4 + kTessRowWords / 4 * row); }
+uint row_edge(uint row) { return WORD(params.table.rows + kTessRowWords * row); }
 uint edge_word(uint edge, uint i) { return WORD(params.table.rate_edges + kRateEdgeWords * edge + i); }

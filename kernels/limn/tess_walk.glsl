@@ -23,15 +23,17 @@ void main() {
         end = first_vertex(of_all + 1);
         if (begin == end) return;
         if (kMode == kTessRows) {
-            rate = rate_of(row_word(item, 0));
-            face = row_word(item, 1);
-            place = row_word(item, 2);
+            const uvec4 words = row_words(item);
+            rate = rate_of(words[0]);
+            face = words[1];
+            place = words[2];
         } else {
-            pattern = pattern_of(item);
+            pattern = pattern_of(face_sides(item));
         }
     }
     const uint first = max(begin, payload(4)), last = min(end, payload(5));
-    for (uint vertex = first + lane_of_item(); vertex < last; vertex += lanes) {
+    uint vertex = first + lane_of_item();
+    do {  // llvmpipe goes through a loop once more if its condition comes first
         float u, v;
         if (kMode == kTessCorners) {
             u = float(place & 3) * 0.5;
@@ -41,6 +43,7 @@ void main() {
         } else {
             locate_inner_vertex(pattern, vertex - begin, u, v);
         }
-        visit(vertex, face, u, v);
-    }
+        if (vertex < last) visit(vertex, face, u, v);
+        vertex += lanes;
+    } while (vertex < last);
 }

@@ -73,11 +73,10 @@ VkBuffer Tessellation::state_buffer() const {
     return state_->words.handle;
 }
 
-/// With a barrier behind it.
+/// With a barrier behind it. The state also says how many workgroups dispatches have.
 void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const {
     sets.record(commands, stage);
-    record_barrier(device(), commands, kKernelWrites,
-                   {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT});
+    record_barrier(device(), commands, kKernelWrites, kKernelReads | kKernelWrites | kIndirectReads);
 }
 
 uint32_t Tessellation::largest_rate(const RateSettings& settings) const {
@@ -199,7 +198,6 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
         }
     };
     record_stages(s.rates);
-    if (!s.scaled.empty()) record_barrier(s.device(), command_buffer, kKernelWrites, kIndirectReads);
     record_stages(s.scaled);
     if (!s.instance_commands.empty()) record_stages({&s.instance_commands, 1});
     return checked;
