@@ -45,16 +45,18 @@ void main() {
                 return;
             }
         }
-        TessPoint p[kRateSamples], middle;
-        for (uint i = looks ? 0 : 2; i < (looks ? kRateSamples : 3); ++i) {
-            p[i] = edge_sample(edge, i);
-            if (placed && looks) {
+        TessPoint p[kRateSamples];
+        if (looks) {
+            for (uint i = 0; i < kRateSamples; ++i) {
+                p[i] = edge_sample(edge, i);
+                if (!placed) continue;
                 const vec3 world = to_world(instance, vec3(p[i].x, p[i].y, p[i].z));
                 p[i] = TessPoint(world.x, world.y, world.z);
             }
-            if (i == 2) middle = p[2];
+        } else {
+            const TessPoint middle = edge_sample(edge, 2);
+            p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         }
-        if (!looks) p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         const float given =
             kMode == kRatePerEdge ? scale * SECOND(floatBitsToUint(params.payload[kGiven]) + edge) : 0.0;
         target = edge_target(kMode, scale * params.payload[kValue], given, params.max_rate, camera, p[0], p[1], p[2], p[3], p[4]);

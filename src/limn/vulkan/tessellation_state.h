@@ -22,8 +22,8 @@ inline float word(uint32_t value) {
     return std::bit_cast<float>(value);
 }
 
-/// How many invocations share an item, a power of two: a corner, the vertices of a row, those within a face, or a face's
-/// triangles.
+/// How many invocations share an item, a power of two or none at all: a corner, the vertices of a row, those within a face, or
+/// a face's triangles.
 struct Lanes {
     uint32_t corners = 1, rows, faces, triangles;
 };

@@ -82,16 +82,21 @@ void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const
 uint32_t Tessellation::largest_rate(const RateSettings& settings) const {
     const bool bounded = state_->mode == RateMode::uniform && !state_->has_instances && settings.value > 0 &&
                          settings.value < static_cast<float>(settings.max_rate);
-    return bounded ? std::max(2u, static_cast<uint32_t>(std::ceil(settings.value))) : settings.max_rate;
+    const uint32_t least = state_->spacing == TessellationSpacing::fractional ? 2 : 1;
+    return bounded ? std::max(least, static_cast<uint32_t>(std::ceil(settings.value))) : settings.max_rate;
 }
 
 /// llvmpipe runs 8 invocations as one. Where faces have about the same rate, these are 8 faces, and none of them is idle (a
 /// torus of 11,025 faces: a third, at rate 16 four fifths of the frame's CPU time with 8 a face). Else faces would wait for
 /// each other; and what an invocation does has to stay short, since there all its loops end after 65,535 rounds together.
 Lanes Tessellation::State::lanes_for(uint32_t largest_rate) const {
-    if (!cpu_device) return {.rows = 8, .faces = 32, .triangles = 32};
-    if (largest_rate <= (mode == RateMode::uniform ? 16u : 8u)) return {.rows = 1, .faces = 1, .triangles = 1};
-    return {.rows = 2, .faces = 8, .triangles = 4};
+    Lanes lanes = {.rows = 8, .faces = 32, .triangles = 32};
+    if (cpu_device) {
+        const bool alike = largest_rate <= (mode == RateMode::uniform ? 16u : 8u);
+        lanes = alike ? Lanes{.rows = 1, .faces = 1, .triangles = 1} : Lanes{.rows = 2, .faces = 8, .triangles = 4};
+    }
+    if (largest_rate == 1) lanes.rows = 0;  // rows of one segment have no vertices
+    return lanes;
 }
 
 void Tessellation::State::record_items(VkCommandBuffer commands, const Recording& recording, const ItemStage& stage,
@@ -100,6 +105,7 @@ void Tessellation::State::record_items(VkCommandBuffer commands, const Recording
     Recording::Bound bound;
     for (const ItemDispatch& items : stage) {
         const uint32_t each = lanes.*items.lanes;
+        if (each == 0) continue;
         Dispatch dispatch = changed(items.dispatch, [&](TessParams& params) {
             params.payload[shared::kTessLanesPayload] = word(static_cast<uint32_t>(std::countr_zero(each)));
         });

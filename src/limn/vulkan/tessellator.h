@@ -127,8 +127,8 @@ class Tessellation {
 
     /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone (and what
     /// displaces them) keep the rates and indices that are there: for animation, and for refitting what refers to the mesh.
-    /// What all but record_rates write is the same for any `largest_rate` that no rate exceeds; with a small one they take less
-    /// time: pass largest_rate(settings) of the settings of record_rates.
+    /// What the others write is the same for any `largest_rate` that no rate exceeds; with a small one they take less time:
+    /// pass largest_rate(settings) of the settings of record_rates.
     void record_points(VkCommandBuffer command_buffer) const;  ///< local points of patches
     Result<void> record_rates(VkCommandBuffer command_buffer,
                               const RateSettings& settings) const;  ///< rates, counts, the command and the result
@@ -139,7 +139,7 @@ class Tessellation {
     /// Positions and normals of the displaced surface. Before: heights visible to kKernelReads, positions no longer in
     /// use. `record` has both where there is a texture.
     void record_displacement(VkCommandBuffer command_buffer, uint32_t largest_rate = shared::kMaxSideRate) const;
-    /// What no rate of these settings exceeds, 2 at least.
+    /// What no rate of these settings exceeds, be they scaled to fit or not.
     uint32_t largest_rate(const RateSettings& settings) const;
 
     VkDeviceSize state_bytes() const;
