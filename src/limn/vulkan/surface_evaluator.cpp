@@ -339,7 +339,8 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
         const bool paired = are_adjacent(info) && info.values.stride % 2 == 0 && params.value_base % 2 == 0;
         const bool rows = batch.by_rows;
         auto made = pipeline(rows ? kGridRows : kGrid,
-                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired, job.refined, batch.sample_count}
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, paired,
+                                                          job.refined, batch.sample_count}
                                   : tile_constants(job, batch, output, paired, texel ? 8 : 32));
         if (!made) return made.error();
         recording.add_dispatch(*made, set, group_count_of(batch, params.chunk_count), params);
