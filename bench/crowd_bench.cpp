@@ -176,9 +176,9 @@ void record(const Bench& bench, Frame& f) {
     value_or_fail(bench.options, f.tessellation->record_rates(
                                      commands, {.value = kTessellationRate, .max_rate = kTessellationRate}));
     end_pass();
-    f.tessellation->record_triangles(commands);
+    f.tessellation->record_triangles(commands, kTessellationRate);
     end_pass();
-    f.tessellation->record_vertices(commands);
+    f.tessellation->record_vertices(commands, kTessellationRate);
     end_pass();
     f.timestamps.record_end(commands);
 }

@@ -15,7 +15,7 @@ namespace {
 
 using vk::Buffer;
 
-constexpr uint32_t kRates[] = {4, 8, 16, 32};
+constexpr uint32_t kRates[] = {2, 4, 8, 16, 32};
 constexpr uint32_t kMaxTriangles = 11'000'000;  // of one frame here: what 32-bit floats of 128 MiB hold
 constexpr const char* kPasses[] = {"points", "rates", "triangles", "vertices"};
 
@@ -87,6 +87,7 @@ std::unique_ptr<Frame> make_frame(const Setup& s, const RateSettings& settings,
                                                         .result = {f.result.handle}})));
     f.commands.emplace(value_or_fail(s.options, vk::Commands::begin(device)));
     vk::Commands& commands = *f.commands;
+    const uint32_t largest = f.tessellation->largest_rate(settings);
     f.timestamps.record_begin(commands);
     f.refined->record(commands);
     vk::record_barrier(device, commands, vk::kKernelWrites, vk::kKernelReads);
@@ -94,11 +95,11 @@ std::unique_ptr<Frame> make_frame(const Setup& s, const RateSettings& settings,
     f.timestamps.record(commands, 1);
     value_or_fail(s.options, f.tessellation->record_rates(commands, settings));
     f.timestamps.record(commands, 2);
-    f.tessellation->record_triangles(commands);
+    f.tessellation->record_triangles(commands, largest);
     // Passes need no barrier here; this one keeps their times apart.
     vk::record_barrier(device, commands, vk::kKernelWrites, vk::kKernelReads);
     f.timestamps.record(commands, 3);
-    f.tessellation->record_vertices(commands);
+    f.tessellation->record_vertices(commands, largest);
     vk::record_barrier(device, commands, vk::kKernelWrites, vk::kCopyReads);
     f.timestamps.record(commands, 4);
     f.timestamps.record_end(commands);

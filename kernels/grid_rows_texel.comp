@@ -3,7 +3,8 @@
 // point is fetched once a surface, and a row of samples has the sums over v in common. Half the CPU time of
 // grid_eval_texel, which multiplies by a dense matrix (bigguy, rates 8 and 16); on a GPU stores would be far apart and invocations few.
 // Reads: records and placements (limn/shared/grid_eval_params.h), ring indices, points.
-// Writes: as grid_eval; kRefined: control points of a finer level in place of points of the surface.
+// Writes: as grid_eval; kRefined: control points of a finer level in place of points of the surface; kCopied: so many points
+// of the ring in their place, as they are.
 // Deterministic: each sample is written once, and sums in order.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -22,6 +23,7 @@ layout(binding = kGridPointsBinding) uniform textureBuffer points;
 
 layout(local_size_x = kGridRowsWorkgroupSize) in;
 layout(constant_id = kGridNarrowConstant) const uint kNarrow = 0;
+layout(constant_id = kGridCopiedConstant) const uint kCopied = 0;
 
 layout(std430, push_constant) uniform Push { GridEvalParams params; };
 #include "limn/grid_points.glsl"
@@ -50,6 +52,14 @@ void main() {
 
     vec4 ring[16];
     [[unroll]] for (uint k = 0; k < 16; ++k) ring[k] = load_point(first_ring + k);
+    if (kCopied != 0) {
+        [[unroll]] for (uint k = 0; k < 16; ++k) {
+            precise vec4 value = ring[k] - ring[0];  // to the bit what the matrix of grid_eval gives
+            value += ring[0];
+            if (inside && k < kCopied) store_sample(sample_of(face, k), placement, value, vec4(0), vec4(0), vec3(0), 1);
+        }
+        return;
+    }
     const vec4 origin = ring[0];
     vec3 size = vec3(0);
     [[unroll]] for (uint k = 0; k < 16; ++k) {

@@ -8,15 +8,13 @@
 
 layout(std430, binding = kTessOutBinding) writeonly buffer Commands { uint commands[]; };
 
-uint first_triangle(uint face) { return SETTLED(items_at() + 2 * (params.row_count + face) + 1); }
-
 void main() {
     const uint range = global_invocation(), ranges = payload(1), count = WORD(ranges);
     if (range >= count) return;
     uint first = 0, end = 0;
     if (!is_empty()) {
-        first = first_triangle(WORD(ranges + 1 + range));
-        end = first_triangle(WORD(ranges + 2 + range));
+        first = first_triangle(params.row_count + WORD(ranges + 1 + range));
+        end = first_triangle(params.row_count + WORD(ranges + 2 + range));
     }
     const uint instance = WORD(ranges + 2 + count + range), at = payload(0) + kTessCommandWords * instance;
     commands[at] = 3 * (end - first);

@@ -1,5 +1,5 @@
 // Seams: vertices that must have another's position get its bits.
-// Corners: one invocation each; then rows, kLanes invocations each. kMode: kTessCorners or kTessRows.
+// Corners: one invocation each; then rows, lane_count() invocations each. kMode: kTessCorners or kTessRows.
 // Reads: tables, offsets, positions. Writes: positions of copies only. Deterministic.
 // Payload: 0, 1: base and stride; 7: copies of this domain; 8: the first of them
 #version 450
@@ -14,16 +14,15 @@ void copy_vertex(uint to, uint from) {
 }
 
 void main() {
-    const uint invocation = global_invocation();
+    const uint copy = shared_item();
     if (is_empty()) return;
-    const uint lanes = kMode == kTessCorners ? 1 : kLanes, copy = invocation / lanes;
     if (copy >= floatBitsToUint(params.payload[7])) return;
     const uint at = params.table.copies + 2 * (floatBitsToUint(params.payload[8]) + copy);
     if (kMode == kTessCorners) {
         copy_vertex(WORD(at), WORD(at + 1));
         return;
     }
-    const uint to = items_at() + 2 * WORD(at), from = items_at() + 2 * WORD(at + 1);
-    const uint to_begin = SETTLED(to), from_begin = SETTLED(from), count = SETTLED(to + 2) - to_begin;
-    for (uint i = invocation % lanes; i < count; i += lanes) copy_vertex(to_begin + i, from_begin + i);
+    const uint to = WORD(at), to_begin = first_vertex(to), from_begin = first_vertex(WORD(at + 1));
+    const uint count = first_vertex(to + 1) - to_begin;
+    for (uint i = lane_of_item(); i < count; i += lane_count()) copy_vertex(to_begin + i, from_begin + i);
 }

@@ -87,9 +87,10 @@ void main() {
         flags = instances[instance].flags;
         drawn = (flags & kInstanceHidden) == 0;
     }
-    for (uint k = 0; k < (kTriangles != 0 ? 3 : 4); ++k) {
-        const uint side = face_word(face, k);
-        const float target = uintBitsToFloat(SETTLED(kTessTargets + row_word(side_row(side == kNoSide ? 0 : side), 0)));
+    const uvec4 sides = face_sides(face);
+    [[unroll]] for (uint k = 0; k < (kTriangles != 0 ? 3 : 4); ++k) {
+        const uint side = sides[k];
+        const float target = uintBitsToFloat(SETTLED(kTessTargets + row_edge(side_row(side == kNoSide ? 0 : side))));
         drawn = drawn && side != kNoSide && is_finite_number(target) && target > 0;
     }
     if (drawn && (kMode & kTessCullOutside) != 0 && (flags & kInstanceKeepOutside) == 0) drawn = !is_outside(face);

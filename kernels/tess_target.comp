@@ -13,8 +13,9 @@ const uint kRowX = 0, kRowY = 4, kRowW = 8, kViewport = 12, kValue = 14, kGiven 
 TessPoint edge_sample(uint edge, uint i) {
     float t, u, v;
     const uint row = row_of_rate_sample(edge_word(edge, 0), i, t);
-    locate_on_row(row_word(row, 2), t, u, v);
-    const vec3 p = tree_point(params.tree, row_word(row, 1), u, v);
+    const uvec4 words = row_words(row);
+    locate_on_row(words[2], t, u, v);
+    const vec3 p = tree_point(params.tree, words[1], u, v);
     return TessPoint(p.x, p.y, p.z);
 }
 
@@ -35,7 +36,7 @@ void main() {
         const bool looks = kMode != kRateUniform && kMode != kRatePerEdge;
         const bool placed = payload(kInstances) != kNoFace;
         const uint instance =
-            placed ? instance_of(payload(kInstances), row_word(side_row(edge_word(edge, 0)), 1)) : 0;
+            placed ? instance_of(payload(kInstances), row_words(side_row(edge_word(edge, 0)))[1]) : 0;
         float scale = 1;
         if (placed) {
             scale = instances[instance].value_scale;
@@ -44,16 +45,18 @@ void main() {
                 return;
             }
         }
-        TessPoint p[kRateSamples], middle;
-        for (uint i = looks ? 0 : 2; i < (looks ? kRateSamples : 3); ++i) {
-            p[i] = edge_sample(edge, i);
-            if (placed && looks) {
+        TessPoint p[kRateSamples];
+        if (looks) {
+            for (uint i = 0; i < kRateSamples; ++i) {
+                p[i] = edge_sample(edge, i);
+                if (!placed) continue;
                 const vec3 world = to_world(instance, vec3(p[i].x, p[i].y, p[i].z));
                 p[i] = TessPoint(world.x, world.y, world.z);
             }
-            if (i == 2) middle = p[2];
+        } else {
+            const TessPoint middle = edge_sample(edge, 2);
+            p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         }
-        if (!looks) p = TessPoint[kRateSamples](middle, middle, middle, middle, middle);
         const float given =
             kMode == kRatePerEdge ? scale * SECOND(floatBitsToUint(params.payload[kGiven]) + edge) : 0.0;
         target = edge_target(kMode, scale * params.payload[kValue], given, params.max_rate, camera, p[0], p[1], p[2], p[3], p[4]);

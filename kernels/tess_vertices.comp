@@ -1,5 +1,5 @@
 // Vertices of a tessellation: what each has at its place (tess_params.h, kTessOutput...).
-// Corners: one invocation each. Rows and faces: kLanes invocations each, which take turns.
+// Corners: one invocation each. Rows and faces: lane_count() invocations each, which take turns.
 // Reads: tables, offsets, rates, local points. Writes: each vertex once; of them those within the slice that is bound.
 // Deterministic. kMode: the domain.
 // Payload: 0, 1: base and stride of the output; 2, 3: of the second; 4, 5: vertices of the slice, first and end, 6: width;

@@ -261,7 +261,6 @@ set(kernels
     tess_round
     tess_count
     tess_scan
-    tess_offset
     tess_commands
     tess_vertices
     tess_copy

@@ -62,7 +62,7 @@ Face make_face(bool triangle, uint32_t spacing, const std::array<uint32_t, 4>& r
     }
     for (uint32_t k = 0; k < side_count(p); ++k) {
         for (uint32_t i = 0; i < strip_triangle_count(p, k); ++i) {
-            (is_hollow(p) ? hollow_triangle : strip_triangle)(p, k, i, t[0], t[1], t[2]);
+            strip_triangle(p, k, i, t[0], t[1], t[2]);
             face.triangles.push_back(t);
         }
     }

@@ -12,7 +12,6 @@ layout(constant_id = kTessTrianglesConstant) const uint kTriangles = 0;
 layout(constant_id = kTessSpacingConstant) const uint kSpacing = 0;
 layout(constant_id = kTessModeConstant) const uint kMode = 0;
 layout(constant_id = kTessOutputConstant) const uint kOutput = 0;
-layout(constant_id = kTessLanesConstant) const uint kLanes = 8;
 
 layout(std430, push_constant) uniform Push { TessParams params; };
 layout(std430, binding = kTessStateBinding) buffer State { uint state[]; };
@@ -61,13 +60,28 @@ uint items_at() { return tess_items(params.rate_edge_count, params.face_count); 
 uint blocks_at() { return tess_blocks(params.rate_edge_count, params.face_count, params.row_count); }
 uint trials_at() { return tess_trials(params.rate_edge_count, params.face_count, params.row_count); }
 uint item_count() { return tess_item_count(params.row_count, params.face_count); }
+uint block_count() { return tess_block_count(params.row_count, params.face_count); }
 
 uint global_invocation() {
     return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kTessWorkgroupSize + gl_LocalInvocationID.x;
 }
+// Where vertices and triangles of an item begin: a row, or row_count and a face, or item_count(), their end.
+uint first_vertex(uint item) {
+    return SETTLED(blocks_at() + 2 * (item / kTessBlockItems)) + SETTLED(items_at() + 2 * item);
+}
+uint first_triangle(uint item) {
+    return SETTLED(blocks_at() + 2 * (item / kTessBlockItems) + 1) + SETTLED(items_at() + 2 * item + 1);
+}
 uint payload(uint i) { return floatBitsToUint(params.payload[i]); }
+// Invocations share rows or faces, so many each.
+uint lane_count() { return 1u << payload(kTessLanesPayload); }
+uint shared_item() { return global_invocation() >> payload(kTessLanesPayload); }
+uint lane_of_item() { return global_invocation() & (lane_count() - 1); }
 bool is_empty() { return SETTLED(kTessResultStatus) >= kTessTooSmall; }
 
-uint face_word(uint face, uint i) { return WORD(params.table.faces + kTessFaceWords * face + i); }
-uint row_word(uint row, uint i) { return WORD(params.table.rows + kTessRowWords * row + i); }
+// Tables begin at multiples of four words.
+uvec4 face_sides(uint face) { return WORD_GROUP(params.table.faces / 4 + kTessFaceWords / 4 * face); }
+uvec4 face_corners(uint face) { return WORD_GROUP(params.table.faces / 4 + kTessFaceWords / 4 * face + 1); }
+uvec4 row_words(uint row) { return WORD_GROUP(params.table.rows / 4 + kTessRowWords / 4 * row); }
+uint row_edge(uint row) { return WORD(params.table.rows + kTessRowWords * row); }
 uint edge_word(uint edge, uint i) { return WORD(params.table.rate_edges + kRateEdgeWords * edge + i); }

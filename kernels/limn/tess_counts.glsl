@@ -2,15 +2,10 @@
 
 uint segments_of(uint rate) { return segment_count(rate, kFractional); }
 
-TessPattern pattern_of(uint face) {
-    uint rates[4] = uint[4](0, 0, 0, 0), sides[4] = uint[4](0, 0, 0, 0);
-    [[unroll]] for (uint k = 0; k < 4; ++k) {
-        if (kTriangles != 0 && k == 3) break;
-        sides[k] = face_word(face, k);
-        rates[k] = rate_of(row_word(side_row(sides[k]), 0));
-    }
-    return make_face_pattern(kTriangles != 0, kSpacing, sides[0], sides[1], sides[2], sides[3], rates[0], rates[1], rates[2],
-                             rates[3]);
+TessPattern pattern_of(uvec4 sides) {
+    uvec4 rates = uvec4(0);
+    [[unroll]] for (uint k = 0; k < (kTriangles != 0 ? 3 : 4); ++k) rates[k] = rate_of(row_edge(side_row(sides[k])));
+    return make_face_pattern(kTriangles != 0, kSpacing, sides.x, sides.y, sides.z, sides.w, rates.x, rates.y, rates.z, rates.w);
 }
 
 bool is_drawn(uint face) { return SETTLED(drawn_at() + face) != 0; }
@@ -18,7 +13,7 @@ bool is_drawn(uint face) { return SETTLED(drawn_at() + face) != 0; }
 // Items are rows, then faces. Rows lie beside a face that is drawn, or have no vertices.
 uvec2 count_item(uint item) {
     if (item < params.row_count) {
-        const uint edge = row_word(item, 0), first = edge_word(edge, 1), second = edge_word(edge, 2);
+        const uint edge = row_edge(item), first = edge_word(edge, 1), second = edge_word(edge, 2);
         const uint rate = rate_of(edge);
         const bool live = first == kManyFaces || (first != kNoFace && is_drawn(min(first, params.face_count - 1))) ||
                           (second != kNoFace && is_drawn(min(second, params.face_count - 1)));
@@ -26,6 +21,6 @@ uvec2 count_item(uint item) {
     }
     const uint face = item - params.row_count;
     if (!is_drawn(face)) return uvec2(0);
-    const TessPattern pattern = pattern_of(face);
+    const TessPattern pattern = pattern_of(face_sides(face));
     return uvec2(inner_vertex_count(pattern), triangle_count(pattern));
 }

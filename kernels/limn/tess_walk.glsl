@@ -1,12 +1,11 @@
-// All vertices of a domain (kMode), each once: corners one invocation each, rows and faces kLanes invocations each, which
+// All vertices of a domain (kMode), each once: corners one invocation each, rows and faces shared_item() by invocations that
 // take turns. Before it: visit(vertex, face, u, v). Payload 4 and 5: vertices of the slice, first and end.
 
 uint rate_of(uint edge) { return SETTLED(rates_at() + edge); }
 #include "limn/tess_counts.glsl"
 
 void main() {
-    const uint invocation = global_invocation(), lanes = kMode == kTessCorners ? 1 : kLanes;
-    const uint item = invocation / lanes;
+    const uint item = shared_item(), lanes = lane_count();
     if (is_empty()) return;
     // The item's vertices [begin, end), and those of them within the slice.
     uint begin = item, end = item + 1, face = item, place = 0, rate = 0;
@@ -19,20 +18,22 @@ void main() {
         if (face == kNoFace) return;  // of a crowd: nobody's
     } else {
         if (item >= (kMode == kTessRows ? params.row_count : params.face_count)) return;
-        const uint at = items_at() + 2 * (kMode == kTessRows ? item : params.row_count + item);
-        begin = SETTLED(at);
-        end = SETTLED(at + 2);
+        const uint of_all = kMode == kTessRows ? item : params.row_count + item;
+        begin = first_vertex(of_all);
+        end = first_vertex(of_all + 1);
         if (begin == end) return;
         if (kMode == kTessRows) {
-            rate = rate_of(row_word(item, 0));
-            face = row_word(item, 1);
-            place = row_word(item, 2);
+            const uvec4 words = row_words(item);
+            rate = rate_of(words[0]);
+            face = words[1];
+            place = words[2];
         } else {
-            pattern = pattern_of(item);
+            pattern = pattern_of(face_sides(item));
         }
     }
     const uint first = max(begin, payload(4)), last = min(end, payload(5));
-    for (uint vertex = first + invocation % lanes; vertex < last; vertex += lanes) {
+    uint vertex = first + lane_of_item();
+    do {  // llvmpipe goes through a loop once more if its condition comes first
         float u, v;
         if (kMode == kTessCorners) {
             u = float(place & 3) * 0.5;
@@ -42,6 +43,7 @@ void main() {
         } else {
             locate_inner_vertex(pattern, vertex - begin, u, v);
         }
-        visit(vertex, face, u, v);
-    }
+        if (vertex < last) visit(vertex, face, u, v);
+        vertex += lanes;
+    } while (vertex < last);
 }

@@ -212,18 +212,16 @@ Result<vk::TessellationResult> read_result(const vk::Device& device, const Devic
     return (*result)[0];
 }
 
-/// The totals that the state of an executed tessellation ends its offsets with, whatever its capacity: 2^32 -
-/// 1 where there are as many or more.
-Result<Counts> read_totals(const vk::Device& device, const vk::DeviceTessellationTable& table,
-                           const vk::Tessellation& tessellation) {
+/// The totals that the state of an executed tessellation holds, whatever its capacity: 2^32 - 1 where there are as many
+/// or more.
+Result<Counts> read_totals(const vk::Device& device, const vk::Tessellation& tessellation) {
     Result<vk::Buffer> totals =
         vk::create_buffer(device, 2 * sizeof(uint32_t), vk::kPointUsage, vk::MemoryUse::readback);
     if (!totals) return totals.error();
     Result<vk::Commands> commands = vk::Commands::begin(device);
     if (!commands) return commands.error();
-    const uint64_t word = uint64_t{shared::tess_items(table.rate_edge_count, table.face_count)} +
-                          2ull * shared::tess_item_count(table.row_count, table.face_count);
-    const VkBufferCopy region = {word * sizeof(uint32_t), 0, 2 * sizeof(uint32_t)};
+    static_assert(shared::kTessNeededTriangles == shared::kTessNeededVertices + 1);
+    const VkBufferCopy region = {shared::kTessNeededVertices * sizeof(uint32_t), 0, 2 * sizeof(uint32_t)};
     device.functions.CmdCopyBuffer(*commands, tessellation.state_buffer(), totals->handle, 1, &region);
     vk::record_barrier(device, *commands, vk::kCopyWrites, vk::kHostReads);
     if (auto done = commands->submit_and_wait(); !done) return done.error();
@@ -241,7 +239,7 @@ Result<Counts> count_on_device(const vk::Device& device, const vk::Tessellator& 
     if (!tessellation) return tessellation.error();
     if (auto done = execute(device, *tessellation, settings); !done) return done.error();
     if (auto result = read_result(device, *buffers); !result) return result.error();
-    return read_totals(device, model.table, *tessellation);
+    return read_totals(device, *tessellation);
 }
 
 Result<TriangleMesh> download_mesh(const vk::Device& device, const DeviceBuffers& buffers,

@@ -164,10 +164,7 @@ void Tessellator::connect(uint32_t f, Tessellation& out) const {
     }
     for (uint32_t k = 0; k < shared::side_count(pattern); ++k) {
         for (uint32_t i = 0; i < shared::strip_triangle_count(pattern, k); ++i) {
-            if (shared::is_hollow(pattern))
-                shared::hollow_triangle(pattern, k, i, a, b, c);
-            else
-                shared::strip_triangle(pattern, k, i, a, b, c);
+            shared::strip_triangle(pattern, k, i, a, b, c);
             add();
         }
     }

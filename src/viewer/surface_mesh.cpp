@@ -54,7 +54,7 @@ struct SurfaceMesh::State {
     }
     void record_points(VkCommandBuffer commands, PassTimer* timer) const;
     void record_face_rates(VkCommandBuffer commands) const;
-    void record_vertices(VkCommandBuffer commands, PassTimer* timer) const;
+    void record_vertices(VkCommandBuffer commands, PassTimer* timer, uint32_t largest_rate = shared::kMaxSideRate) const;
 };
 
 Result<void> SurfaceMesh::State::upload_tables(const BakedMesh& tables) {
@@ -243,8 +243,8 @@ void SurfaceMesh::State::record_points(VkCommandBuffer commands, PassTimer* time
     mark(timer, commands, "points");
 }
 
-void SurfaceMesh::State::record_vertices(VkCommandBuffer commands, PassTimer* timer) const {
-    tessellation->record_vertices(commands);
+void SurfaceMesh::State::record_vertices(VkCommandBuffer commands, PassTimer* timer, uint32_t largest_rate) const {
+    tessellation->record_vertices(commands, largest_rate);
     vk::record_barrier(*device, commands, vk::kKernelWrites, hardware ? kHardwareRenderReads : kRenderReads);
     mark(timer, commands, "vertices");
 }
@@ -252,13 +252,14 @@ void SurfaceMesh::State::record_vertices(VkCommandBuffer commands, PassTimer* ti
 Result<void> SurfaceMesh::record(VkCommandBuffer commands, const RateSettings& settings,
                                  PassTimer* timer) const {
     const State& state = *state_;
+    const uint32_t largest = state.tessellation->largest_rate(settings);
     state.record_points(commands, timer);
     auto recorded = state.tessellation->record_rates(commands, settings);
     state.record_face_rates(commands);
     mark(timer, commands, "rates");
-    state.tessellation->record_triangles(commands);
+    state.tessellation->record_triangles(commands, largest);
     mark(timer, commands, "triangles");
-    state.record_vertices(commands, timer);
+    state.record_vertices(commands, timer, largest);
     return recorded;
 }
 

@@ -197,7 +197,10 @@ TessellatedShape TessellatorTest::tessellate_on_device(const limn::test::TestMes
         Result<Commands> again = Commands::begin(device());
         refined[0].record(*again);
         record_barrier(device(), *again, kKernelWrites, kKernelReads);
+        device().functions.CmdFillBuffer(*again, indices.handle, offset_bytes, VK_WHOLE_SIZE, 0);
+        record_barrier(device(), *again, kCopyWrites, kKernelWrites);
         tessellation->record_points(*again);
+        tessellation->record_triangles(*again);
         tessellation->record_vertices(*again);
         record_barrier(device(), *again, kKernelWrites, kCopyReads);
         EXPECT_TRUE(again->submit_and_wait());

@@ -28,7 +28,8 @@ struct TessellationRequest {
     const HeightTexture* texture = nullptr;  ///< of channel 0
     bool own_heights = false;  ///< limn has the buffer of heights; with a texture
     bool clockwise = false;
-    /// Where not empty, control points that vertices are made of once more, after the frame.
+    /// Where not empty, control points that vertices are made of once more, after the frame; triangles are, too. The passes are
+    /// recorded as for rates of any size.
     std::vector<float> later_positions = {};
     bool previous = false;           ///< positions of the last frame, from points moved by one along x
 };

@@ -110,6 +110,25 @@ TEST_F(TessellatorTest, TwoRunsHaveTheSameBits) {
     EXPECT_EQ(std::memcmp(first.normals.data(), second.normals.data(), 4 * first.normals.size()), 0);
 }
 
+// It decides how many invocations share rows and faces, not what they write.
+TEST_F(TessellatorTest, TheLargestRateChangesNoBit) {
+    for (const TestMesh& shape : {limn::test::make_messy_torus(12, 9, 4), limn::test::make_globe(5, 2)}) {
+        for (const float rate : {1.0f, 5.0f, 12.0f}) {
+            TestMesh moved = shape;
+            for (size_t i = 0; i < moved.positions.size(); i += 3) moved.positions[i] *= 3;
+            TessellationRequest request;
+            request.settings = {.value = rate};
+            const TessellatedShape frame = tessellate_on_device(moved, request);
+            request.later_positions = moved.positions;
+            const TessellatedShape passes = tessellate_on_device(shape, request);
+            EXPECT_EQ(frame.indices, passes.indices);
+            ASSERT_EQ(frame.positions.size(), passes.positions.size());
+            EXPECT_EQ(std::memcmp(frame.positions.data(), passes.positions.data(), 4 * frame.positions.size()), 0);
+            EXPECT_EQ(std::memcmp(frame.normals.data(), passes.normals.data(), 4 * frame.normals.size()), 0);
+        }
+    }
+}
+
 TEST_F(TessellatorTest, OffsetsAndStridesAreKept) {
     const TestMesh shape = limn::test::make_globe(6, 2);
     TessellationRequest request = random_request(shape, TessellationSpacing::integer, 6, 8);

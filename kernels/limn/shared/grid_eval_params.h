@@ -6,7 +6,8 @@
 // A placement is 4 words, the signed integers uu, uv, vu, vv, and then a word for each sample: which sample of its ptex
 // face it is, or kGridNoSample.
 // CPU devices take regular patches in another way (grid_rows_texel). There a record is a surface: [0] its first ring point,
-// [1] its ptex face counted from the first of the pass, [2] its placement. That is the four integers above, then x, y, step:
+// [1] its ptex face counted from the first of the pass, [2] its placement, which local points that are the ring's own do
+// without. That is the four integers above, then x, y, step:
 // sample i of row j is at ((x + i * step) / rate, (y + j * step) / rate) of the plan; then columns and rows, and a word for
 // each sample, row after row.
 #ifndef LIMN_SHARED_GRID_EVAL_PARAMS_H
@@ -37,6 +38,7 @@ const uint kGridSurfacesConstant = 8;  // of a tile
 const uint kGridAdjacentConstant = 9;  // 1: value and normal are six floats at an even index; packed, four words at a multiple of four
 const uint kGridRefinedConstant = 10;  // 1: a refined grid: samples are numbered by slots, and control points step / rate apart
 const uint kGridPointTexelsConstant = 11;  // 1: points are texels of three floats, and point_base and point_stride count those
+const uint kGridCopiedConstant = 12;  // so many points of each ring are samples as they are
 // Which ring points are at the surface's corners.
 const uint kGridCornersBicubic = 0;
 const uint kGridCornersBoxSpline = 1;

@@ -26,7 +26,6 @@ const uint kTessTrianglesConstant = 0;  // 1: Loop
 const uint kTessSpacingConstant = 1;
 const uint kTessModeConstant = 2;    // what a kernel has variants of: rate mode, culling, domain
 const uint kTessOutputConstant = 3;  // what vertices get
-const uint kTessLanesConstant = 4;   // invocations that share a row or a face
 
 // Domains of vertices.
 const uint kTessCorners = 0;
@@ -70,7 +69,9 @@ const uint kInstanceHidden = 1;         // no triangles, no vertices but corners
 const uint kInstanceKeepOutside = 2;    // not culled by the frustum
 const uint kInstanceKeepBackfaces = 4;  // not culled by what faces away
 
-// Push constants: what all kernels take, and a payload of each one's own.
+// Push constants: what all kernels take, and a payload of each one's own. Where invocations share rows or faces, its last
+// element is how many do: 2 to that power.
+const uint kTessLanesPayload = 17;
 struct TessParams {
     TreeOffsets tree;
     TessOffsets table;
@@ -85,11 +86,14 @@ LIMN_LAYOUT(TessParams, 128)
 
 // A mode of tess_budget and tess_scan: there are no vertices and triangles, and the state ends where those begin.
 const uint kTessRatesOnly = 3;
+// A mode of tess_scan: where the capacity does not hold all, it finishes nothing, but has rates scaled: it writes how many
+// workgroups the dispatches get that do so.
+const uint kTessTry = 4;
 
 // The state, in words: the result, then for each rate edge a target (float) and a rate, for each face whether it is
-// drawn, for each row, then for each face, and then for their end, where its vertices and triangles begin, and the same
-// sums for blocks of these.
-const uint kTessResultWords = 8;
+// drawn; for each item, that is each row, then each face, and then their end, how many vertices and triangles come before it
+// in its block; and where those of blocks begin.
+const uint kTessResultWords = 16;
 const uint kTessTargets = kTessResultWords;
 LIMN_FN uint tess_rates(uint rate_edge_count) {
     return kTessTargets + rate_edge_count;
@@ -107,7 +111,7 @@ LIMN_FN uint tess_blocks(uint rate_edge_count, uint face_count, uint row_count) 
     return tess_items(rate_edge_count, face_count) + 2u * (tess_item_count(row_count, face_count) + 1u);
 }
 LIMN_FN uint tess_block_count(uint row_count, uint face_count) {
-    return (tess_item_count(row_count, face_count) + kTessBlockItems - 1u) / kTessBlockItems;
+    return tess_item_count(row_count, face_count) / kTessBlockItems + 1u;
 }
 // Vertices and triangles, low and high words, at each of the scales that are tried; then those scales.
 const uint kTessTrials = 32;
@@ -127,6 +131,10 @@ const uint kTessResultVertices = 1;
 const uint kTessResultTriangles = 2;
 const uint kTessResultScale = 3;      // float
 const uint kTessResultNotFinite = 4;
+const uint kTessNeededVertices = 5;   // whatever the capacity
+const uint kTessNeededTriangles = 6;
+const uint kTessScaleItems = 8;  // VkDispatchIndirectCommand of what goes through items or edges; all zeros: all fits
+const uint kTessScaleOnce = 11;  // of what is one workgroup
 
 // In the order of TessellationStatus.
 const uint kTessComplete = 0;

@@ -20,6 +20,12 @@ const uint kSpacingFractional = 2;
 const uint kRateOne = 65536;
 const uint kMaxSideRate = 128;
 
+// a / b, rounded down, where a is less than 2^20: one division of floats, in place of one of integers for each invocation on
+// llvmpipe, and of some twenty instructions on GPUs. The half keeps it apart from whole numbers by more than rounding.
+LIMN_FN uint quotient(uint a, uint b) {
+    return uint((real(a) + real(0.5)) / real(b));
+}
+
 // Segments at a rate. Fractional spacing has an even number of them: all equally long but for two, the newest, which
 // grow with the rate from nothing (Moreton 2001, and fractional_even_spacing of hardware tessellation).
 LIMN_FN uint segment_count(uint rate, bool fractional) {
@@ -216,19 +222,11 @@ LIMN_FN TessVertex inner_vertex(TessPattern p, uint k, uint i) {
 // How a strip's two rows of segments are joined: in the order of their middles, or of their slots, each as a number
 // 0 .. 255 along the strip. Where two are equal the outer one comes first in the first half, last in the second.
 
-LIMN_FN uint ceil_div(uint a, uint b) {
-    return (a + b - 1u) / b;
-}
-// How many segments of an inner row, whose middles are at (2 j + offset) / (2 inner), come before segment i of n.
-LIMN_FN uint inner_before(uint i, uint n, uint inner, uint offset) {
-    const uint at = (2u * i + 1u) * inner + (2u * i + 1u > n ? 1u : 0u), first = offset * n;
-    const uint count = at <= first ? 0u : ceil_div(at - first, 2u * n), most = inner + 1u - offset;
+// How many of the other row's segments come before one of a row of `own` segments. Twice the middle of that one, times
+// other / own and then one more where equal ones come before it, is `at`; `first` is the same for the other row's first.
+LIMN_FN uint segments_before(uint at, uint first, uint own, uint most) {
+    const uint count = at <= first ? 0u : quotient(at - first + 2u * own - 1u, 2u * own);
     return count < most ? count : most;
-}
-LIMN_FN uint outer_before(uint j, uint n, uint inner, uint offset) {
-    const uint at = (2u * j + offset) * n + (2u * j + offset <= inner ? 1u : 0u);
-    const uint count = at <= inner ? 0u : ceil_div(at - inner, 2u * inner);
-    return count < n ? count : n;
 }
 
 // Fractional: the place of segment i of a side of n, made of halves or not.
@@ -254,43 +252,42 @@ LIMN_FN uint inner_before_key(uint key, uint inner, uint skip) {
     return count - skip < inner - 2u * skip ? count - skip : inner - 2u * skip;
 }
 
-// Triangle `at` of the strip along side k of a pattern that is not hollow, counter-clockwise.
-LIMN_FN void strip_triangle(TessPattern p, uint k, uint at, LIMN_INOUT(TessVertex) a, LIMN_INOUT(TessVertex) b,
-                            LIMN_INOUT(TessVertex) c) {
-    const uint n = p.segments[k], inner = (p.triangle || (k & 1u) == 0u) ? p.columns : p.rows;
-    const uint offset = p.triangle ? 4u : 3u;
-    if (at < n) {
-        const uint apex = p.fractional ? inner_before_key(side_key(at, n, p.halves[k]), inner, 1u)
-                                       : inner_before(at, n, inner, offset);
-        a = make_tess_vertex(k, at);
-        b = make_tess_vertex(k, at + 1u);
-        c = inner_vertex(p, k, apex);
-    } else {
-        const uint j = at - n;
-        uint apex;
-        if (p.fractional) {
-            const uint key = segment_key(j + 1u, inner);
-            apex = side_keys_below(key + (key < 128u ? 1u : 0u), n, p.halves[k]);
-        } else {
-            apex = outer_before(j, n, inner, offset);
-        }
-        a = inner_vertex(p, k, j + 1u);
-        b = inner_vertex(p, k, j);
-        c = make_tess_vertex(k, apex);
+// Triangle `at` of the strip along side k: it stands on a segment of the side (outer) or of the inside, and its apex is a
+// point of the other. Hollow quads are ladders between sides k and k + 2: apices are points of the side across. Not of hollow
+// triangles.
+struct StripTriangle {
+    bool outer;
+    uint segment;
+    uint apex;
+};
+LIMN_FN StripTriangle strip_triangle_at(TessPattern p, uint k, uint at) {
+    const bool ladder = !p.triangle && is_hollow(p), against = ladder && k >= 2u;
+    const uint n = p.segments[k];
+    StripTriangle t;
+    t.outer = at < n;
+    t.segment = t.outer ? at : at - n;
+    if (p.fractional) {
+        const uint inner = (p.triangle || (k & 1u) == 0u) ? p.columns : p.rows, key = segment_key(t.segment + 1u, inner);
+        t.apex = t.outer ? inner_before_key(side_key(t.segment, n, p.halves[k]), inner, 1u)
+                         : side_keys_below(key + (key < 128u ? 1u : 0u), n, p.halves[k]);
+        return t;
     }
+    // The middles of the inside's segments are at (2 j + offset) / (2 inner). Of ladders both rows are counted along side 0
+    // or 1.
+    const uint inner = ladder ? p.segments[(k + 2u) % 4u] : (p.triangle || (k & 1u) == 0u) ? p.columns : p.rows;
+    const uint offset = ladder ? 1u : p.triangle ? 4u : 3u;
+    const uint middle = 2u * (against ? n - 1u - at : t.segment) + (t.outer ? 1u : offset);
+    const uint own = t.outer ? n : inner, other = t.outer ? inner : n;
+    const bool after_equal = (middle > own) == (t.outer != against);
+    t.apex = segments_before(middle * other + (after_equal ? 1u : 0u), t.outer ? offset * n : inner, own,
+                             t.outer ? inner + 1u - offset : n);
+    if (ladder && !against) t.apex = inner - t.apex;
+    return t;
 }
 
-// The same of hollow ones.
-LIMN_FN void hollow_triangle(TessPattern p, uint k, uint at, LIMN_INOUT(TessVertex) a, LIMN_INOUT(TessVertex) b,
+// Hollow triangles have one strip.
+LIMN_FN void hollow_triangle(TessPattern p, uint at, LIMN_INOUT(TessVertex) a, LIMN_INOUT(TessVertex) b,
                              LIMN_INOUT(TessVertex) c) {
-    if (!p.triangle) {  // a ladder between sides k and k + 2
-        const uint n = p.segments[k], across = p.segments[(k + 2u) % 4u];
-        a = make_tess_vertex(k, at);
-        b = make_tess_vertex(k, at + 1u);
-        c = k < 2u ? make_tess_vertex(k + 2u, across - inner_before(at, n, across, 1u))
-                   : make_tess_vertex(k - 2u, outer_before(n - 1u - at, across, n, 1u));
-        return;
-    }
     // One or two segments a side: corners of divided sides are cut off, what is left is one triangle or two.
     const bool m0 = p.segments[0] == 2u, m1 = p.segments[1] == 2u, m2 = p.segments[2] == 2u;
     const TessVertex c0 = make_tess_vertex(0u, 0u), c1 = make_tess_vertex(1u, 0u), c2 = make_tess_vertex(2u, 0u);
@@ -324,6 +321,25 @@ LIMN_FN void hollow_triangle(TessPattern p, uint k, uint at, LIMN_INOUT(TessVert
     }
 }
 
+// Triangle `at` of the strip along side k, counter-clockwise.
+LIMN_FN void strip_triangle(TessPattern p, uint k, uint at, LIMN_INOUT(TessVertex) a, LIMN_INOUT(TessVertex) b,
+                            LIMN_INOUT(TessVertex) c) {
+    if (p.triangle && is_hollow(p)) {
+        hollow_triangle(p, at, a, b, c);
+        return;
+    }
+    const StripTriangle t = strip_triangle_at(p, k, at);
+    if (t.outer) {
+        a = make_tess_vertex(k, t.segment);
+        b = make_tess_vertex(k, t.segment + 1u);
+        c = is_hollow(p) ? make_tess_vertex((k + 2u) % 4u, t.apex) : inner_vertex(p, k, t.apex);
+    } else {
+        a = inner_vertex(p, k, t.segment + 1u);
+        b = inner_vertex(p, k, t.segment);
+        c = make_tess_vertex(k, t.apex);
+    }
+}
+
 // The largest integer whose square is at most x < 2^24.
 LIMN_FN uint floor_sqrt(uint x) {
     uint root = 0u;
@@ -349,8 +365,8 @@ LIMN_FN void inner_triangle(TessPattern p, uint at, LIMN_INOUT(TessVertex) a, LI
                             LIMN_INOUT(TessVertex) c) {
     if (!p.triangle) {
         uint corners[4];
-        const uint cell = at / 2u;
-        grid_cell(p, 1u + cell % (p.columns - 2u), 1u + cell / (p.columns - 2u), corners);
+        const uint cell = at / 2u, row = quotient(cell, p.columns - 2u);
+        grid_cell(p, 1u + cell - row * (p.columns - 2u), 1u + row, corners);
         a = make_tess_vertex(kInside, corners[0]);
         b = make_tess_vertex(kInside, corners[1u + (at & 1u)]);
         c = make_tess_vertex(kInside, corners[2u + (at & 1u)]);
@@ -365,7 +381,7 @@ LIMN_FN void inner_triangle(TessPattern p, uint at, LIMN_INOUT(TessVertex) a, LI
     } else {
         // From the centre: the strips between rings d and d - 1 have 3 (4 d - 2) triangles.
         const uint d = floor_sqrt(at / 6u) + 1u, x = at - 6u * (d - 1u) * (d - 1u);
-        const uint k = x / (4u * d - 2u), i = x % (4u * d - 2u), skip = p.columns / 2u - d;
+        const uint k = quotient(x, 4u * d - 2u), i = x - k * (4u * d - 2u), skip = p.columns / 2u - d;
         if (i < 2u * d) {
             const uint apex = inner_before_key(segment_key(i + skip, p.columns), p.columns, skip + 1u);
             a = make_tess_vertex(kInside, ring_vertex(d, k, i));
@@ -395,8 +411,9 @@ LIMN_FN void locate_ring_point(TessPattern p, uint ring, uint k, uint i, LIMN_IN
 // Where inner vertex `number` is.
 LIMN_FN void locate_inner_vertex(TessPattern p, uint number, LIMN_INOUT(real) u, LIMN_INOUT(real) v) {
     if (!p.triangle) {
-        u = point_on_side(p.column_rate, p.fractional, 1u + number % (p.columns - 1u));
-        v = point_on_side(p.row_rate, p.fractional, 1u + number / (p.columns - 1u));
+        const uint row = quotient(number, p.columns - 1u);
+        u = point_on_side(p.column_rate, p.fractional, 1u + number - row * (p.columns - 1u));
+        v = point_on_side(p.row_rate, p.fractional, 1u + row);
     } else if (!p.fractional) {
         // From row j on (size - j + 1) (size - j + 2) / 2 are left, a triangular number.
         const uint size = p.columns - 2u, left = size * (size + 1u) / 2u - number;
@@ -409,7 +426,7 @@ LIMN_FN void locate_inner_vertex(TessPattern p, uint number, LIMN_INOUT(real) u,
         v = u;
         if (number == 0u) return;
         const uint d = (floor_sqrt((number - 1u) / 3u * 4u + 1u) + 1u) / 2u;
-        const uint x = number - 1u - 3u * d * (d - 1u), k = x / (2u * d), i = x % (2u * d);
+        const uint x = number - 1u - 3u * d * (d - 1u), k = quotient(x, 2u * d), i = x - k * 2u * d;
         const uint skip = p.columns / 2u - d;
         locate_ring_point(p, skip, k, skip + i, u, v);
     }

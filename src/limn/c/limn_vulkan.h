@@ -455,7 +455,8 @@ enum {
 /// kernel writes to what reads them, LIMN_VK_DRAW_STAGES for drawing. After an error the commands recorded draw nothing.
 limn_result limn_vk_tessellation_record(const limn_vk_tessellation* tessellation, VkCommandBuffer commands,
                                         const limn_vk_rate_settings* settings, limn_error* error) LIMN_C_NOEXCEPT;
-/// Only these passes, in the order of their numbers; `settings` may be null without LIMN_VK_PASS_RATES.
+/// Only these passes, in the order of their numbers. `settings`: those that rates are or were recorded with; without
+/// LIMN_VK_PASS_RATES they may be null, and low rates then gain less.
 limn_result limn_vk_tessellation_record_passes(const limn_vk_tessellation* tessellation, VkCommandBuffer commands,
                                                uint32_t passes, const limn_vk_rate_settings* settings,
                                                limn_error* error) LIMN_C_NOEXCEPT;

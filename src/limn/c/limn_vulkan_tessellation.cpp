@@ -126,15 +126,17 @@ Result<void> record_rates(const limn_vk_tessellation& tessellation, VkCommandBuf
 Result<void> record_passes(const limn_vk_tessellation& tessellation, VkCommandBuffer commands,
                            uint32_t passes, const limn_vk_rate_settings* given) {
     const vk::Tessellation& t = tessellation.value;
+    const auto settings = read_settings(tessellation, given);
+    const uint32_t largest = settings ? t.largest_rate(*settings) : shared::kMaxSideRate;
     Result<void> recorded;
     if ((passes & LIMN_VK_PASS_POINTS) != 0) t.record_points(commands);
     if ((passes & LIMN_VK_PASS_RATES) != 0) recorded = record_rates(tessellation, commands, given);
-    if ((passes & LIMN_VK_PASS_TRIANGLES) != 0) t.record_triangles(commands);
-    if ((passes & LIMN_VK_PASS_VERTICES) != 0) t.record_vertices(commands);
-    if ((passes & LIMN_VK_PASS_HEIGHTS) != 0) t.record_heights(commands);
+    if ((passes & LIMN_VK_PASS_TRIANGLES) != 0) t.record_triangles(commands, largest);
+    if ((passes & LIMN_VK_PASS_VERTICES) != 0) t.record_vertices(commands, largest);
+    if ((passes & LIMN_VK_PASS_HEIGHTS) != 0) t.record_heights(commands, largest);
     if ((passes & LIMN_VK_PASS_DISPLACEMENT) != 0) {
         vk::record_barrier(tessellation.device, commands, kKernels, kKernels);
-        t.record_displacement(commands);
+        t.record_displacement(commands, largest);
     }
     return recorded;
 }

@@ -369,7 +369,8 @@ Result<SurfaceEvaluation> SurfaceEvaluator::State::prepare(const GridJob& job) c
         const uint32_t texels = bound[shared::kGridPointsBinding].format == kPoints;
         const bool rows = batch.by_rows;
         auto made = pipeline(rows ? kGridRows : kGrid,
-                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, adjacent, job.refined, texels}
+                             rows ? std::vector<uint32_t>{0, output, info.width, job.narrow_rings, 0, 0, 0, 0, 0, adjacent,
+                                                          job.refined, texels, batch.sample_count}
                                   : tile_constants(job, batch, output, adjacent, texels, texel ? 8 : 32));
         if (!made) return made.error();
         recording.add_dispatch(*made, set, group_count_of(batch, params.chunk_count), params);

@@ -85,7 +85,7 @@ void append_turn(const GridPlacement& p, std::vector<uint32_t>& words) {
 PlacementWords append_placements(const GridTable& table, const std::vector<bool>& by_rows, std::vector<uint32_t>& words) {
     PlacementWords out;
     out.offsets.resize(table.placements.size());
-    out.row_offsets.resize(table.lattices.size());
+    out.row_offsets.resize(table.placements.size());
     const uint32_t* samples = table.placement_samples.data();
     for (const GridSurface& s : table.surfaces) {
         const GridPlacement& placement = table.placements[s.placement];
@@ -94,7 +94,7 @@ PlacementWords append_placements(const GridTable& table, const std::vector<bool>
             out.offsets[s.placement] = static_cast<uint32_t>(words.size());
             append_turn(placement, words);
             words.insert(words.end(), samples + placement.first, samples + placement.first + placement.count);
-        } else if (out.row_offsets[s.placement] == 0) {
+        } else if (!table.lattices.empty() && out.row_offsets[s.placement] == 0) {
             const GridLattice& lattice = table.lattices[s.placement];
             out.row_offsets[s.placement] = static_cast<uint32_t>(words.size());
             append_turn(placement, words);
@@ -148,6 +148,7 @@ void add_records(const GridTable& table, uint32_t pass, std::vector<const GridSu
                      [](const GridSurface* a, const GridSurface* b) { return a->placement < b->placement; });
     GridBatch batch = {};
     batch.pass = pass;
+    if (table.lattices.empty()) batch.sample_count = table.classes[surfaces[0]->grid_class].ring_size;
     batch.tile_base = static_cast<uint32_t>(out.words.size());
     batch.tile_count = static_cast<uint32_t>(surfaces.size());
     batch.by_rows = true;
@@ -156,13 +157,34 @@ void add_records(const GridTable& table, uint32_t pass, std::vector<const GridSu
         out.words.insert(out.words.end(), {s->first_ring, face_word(table, *s, first_slot), placements[s->placement]});
 }
 
+/// Whether local points of class c (patch_tree.h) are those of the ring, in order.
+bool copies_ring(const GridTable& table, size_t c) {
+    const GridClass& of = table.classes[c];
+    if (table.rate != 0 || table.value_count != 1 || of.ring_size > 16) return false;
+    const uint32_t* samples = table.placement_samples.data() + table.placements[c].first;
+    const float* weights = table.weights.data() + size_t{4} * of.first_weight;
+    for (uint32_t s = 0; s < of.sample_count; ++s) {
+        if (samples[s] != (s < of.ring_size ? s : kInvalidIndex)) return false;
+        for (uint32_t j = 0; j < of.ring_size && s < of.ring_size; ++j)
+            if (weights[4 * (size_t{j / 4} * of.sample_count + s) + j % 4] != (s == j ? 1.0f : 0.0f)) return false;
+    }
+    return true;
+}
+
 /// Whether surfaces of each class are for grid_rows_texel. A CPU device ends loops after 65,535 rounds, all of an
-/// invocation together.
+/// invocation together. Rings that are copied all have the same size.
 std::vector<bool> find_row_classes(const GridTable& table, bool cpu_device) {
     std::vector<bool> by_rows(table.classes.size());
-    for (size_t c = 0; c < by_rows.size(); ++c)
-        by_rows[c] = cpu_device && table.classes[c].corners == shared::kGridCornersBicubic && !table.lattices.empty() &&
-                     table.rate < 250;
+    uint32_t copied_size = 0;
+    for (size_t c = 0; c < by_rows.size() && cpu_device; ++c) {
+        const GridClass& of = table.classes[c];
+        if (!table.lattices.empty()) {
+            by_rows[c] = of.corners == shared::kGridCornersBicubic && table.rate < 250;
+        } else if ((copied_size == 0 || copied_size == of.ring_size) && copies_ring(table, c)) {
+            by_rows[c] = true;
+            copied_size = of.ring_size;
+        }
+    }
     return by_rows;
 }
 

@@ -30,7 +30,7 @@ struct DevicePatchTable {
 };
 
 /// The classes of one dispatch of a grid: those with equal group and sample counts and corners. With by_rows all that are
-/// regular patches, and tiles are records of single surfaces.
+/// regular patches or, with a sample_count, whose samples are their rings' points, and tiles are records of single surfaces.
 struct GridBatch {
     uint32_t group_count;  ///< as GridClass
     uint32_t sample_count;

@@ -111,7 +111,6 @@ struct TessellationPreparation {
     Tessellator::State& tessellator;
     const TessellationInfo& info;
     Tessellation::State& out;
-    uint32_t lanes_of_faces, lanes_of_rows;
     std::vector<VkDeviceSize> local_bytes = {};
     PointBuffer heights = {};  ///< the caller's, or limn's own
 
@@ -177,13 +176,21 @@ struct TessellationPreparation {
         return p;
     }
     Result<Dispatch> dispatch(TessKernel kernel, VkDescriptorSet set, uint64_t invocations, const TessParams& p,
-                              uint32_t mode = 0, uint32_t output = 0, uint32_t lanes = 1) {
-        const uint32_t constants[] = {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output,
-                                      lanes};
+                              uint32_t mode = 0, uint32_t output = 0) {
+        const uint32_t constants[] = {table().scheme == Scheme::loop, static_cast<uint32_t>(info.spacing), mode, output};
         auto pipeline = tessellator.kernels[kernel].pipeline(constants);
         if (!pipeline) return pipeline.error();
         const uint64_t groups = (invocations - 1) / shared::kTessWorkgroupSize + 1;
         return out.sets.make_dispatch(*pipeline, set, groups, p);
+    }
+
+    Result<void> add_items(ItemStage& stage, TessKernel kernel, VkDescriptorSet set, uint32_t count, uint32_t Lanes::*lanes,
+                           const TessParams& p, uint32_t mode, uint32_t output) {
+        if (count == 0) return {};
+        auto made = dispatch(kernel, set, count, p, mode, output);
+        if (!made) return made.error();
+        stage.push_back({*made, count, lanes});
+        return {};
     }
 
     Result<void> add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees, const PointBuffer& points,
@@ -191,11 +198,11 @@ struct TessellationPreparation {
     Result<void> add_rates();
     Result<void> add_instance_commands();
     Result<void> add_triangles();
-    Result<void> add_output(const VertexOutput& output, Stage& stage);
+    Result<void> add_output(const VertexOutput& output, ItemStage& stage);
     Result<void> add_heights(const std::vector<uint32_t>& channel_sources);
     Result<void> add_displacement();
     Result<void> add_outputs();
-    Result<void> add_copies(const PointBuffer& positions, Stage& stage);
+    Result<void> add_copies(const PointBuffer& positions, ItemStage& stage);
 };
 
 Result<void> TessellationPreparation::add_local(const DevicePatchTable& patches, const DevicePatchTrees& trees,
@@ -263,19 +270,31 @@ Result<void> TessellationPreparation::add_rates() {
     p.payload[0] = shared::measures_edges(static_cast<uint32_t>(info.mode));
     p.payload[4] = word(command);
     p.payload[5] = word(result);
-    if (info.fit_capacity && !rates_only)
-        for (const uint32_t mode : {1u, 2u}) {
-            out.rates.push_back({add(kTessTrialKernel, items, p, 0)});
-            out.rates.push_back({add(kTessBudgetKernel, 1, p, mode)});
-        }
     out.rates.push_back({add(kTessRoundKernel, edges, p, 0)});
     if (rates_only) {
         out.rates.push_back({add(kTessScanKernel, 1, p, shared::kTessRatesOnly)});
         return failed;
     }
-    out.rates.push_back({add(kTessCountKernel, items, p, 0)});
-    out.rates.push_back({add(kTessScanKernel, 1, p, 0)});
-    out.rates.push_back({add(kTessOffsetKernel, items, p, 0)});
+    Dispatch groups = {};
+    out.sets.set_groups(groups, std::max(edges, items + 1) / shared::kTessWorkgroupSize + 1);
+    p.payload[6] = word(groups.groups[0]);
+    p.payload[7] = word(groups.groups[1]);
+    out.rates.push_back({add(kTessCountKernel, items + 1, p, 0)});
+    out.rates.push_back({add(kTessScanKernel, 1, p, info.fit_capacity ? shared::kTessTry : 0)});
+    if (!info.fit_capacity) return failed;
+    const auto add_scaled = [&](TessKernel kernel, uint32_t mode, uint32_t groups_at) {
+        Dispatch again = add(kernel, 1, p, mode);
+        again.indirect = out.words.handle;
+        again.indirect_bytes = VkDeviceSize{4} * groups_at;
+        out.scaled.push_back({again});
+    };
+    for (const uint32_t mode : {1u, 2u}) {
+        add_scaled(kTessTrialKernel, 0, shared::kTessScaleItems);
+        add_scaled(kTessBudgetKernel, mode, shared::kTessScaleOnce);
+    }
+    add_scaled(kTessRoundKernel, 0, shared::kTessScaleItems);
+    add_scaled(kTessCountKernel, 0, shared::kTessScaleItems);
+    add_scaled(kTessScanKernel, 0, shared::kTessScaleOnce);
     return failed;
 }
 
@@ -292,7 +311,7 @@ Result<void> TessellationPreparation::add_instance_commands() {
     p.payload[2] = word(info.number_instances ? 1 : 0);
     auto made = dispatch(kTessCommandsKernel, *set, table().instance_count, p);
     if (!made) return made.error();
-    out.rates.push_back({*made});
+    out.instance_commands.push_back(*made);
     return {};
 }
 
@@ -322,15 +341,13 @@ Result<void> TessellationPreparation::add_triangles() {
         p.payload[5] = word(static_cast<uint32_t>(first + count));
         const uint32_t output =
             (has_faces ? shared::kTessFacesOfTriangles : 0) | (info.clockwise ? shared::kTessClockwise : 0);
-        auto made = dispatch(kTessTrianglesKernel, *set, uint64_t{table().face_count} * lanes_of_faces, p, 0, output,
-                             lanes_of_faces);
-        if (!made) return made.error();
-        out.triangles.push_back(*made);
+        auto added = add_items(out.triangles, kTessTrianglesKernel, *set, table().face_count, &Lanes::triangles, p, 0, output);
+        if (!added) return added;
     }
     return {};
 }
 
-Result<void> TessellationPreparation::add_output(const VertexOutput& output, Stage& stage) {
+Result<void> TessellationPreparation::add_output(const VertexOutput& output, ItemStage& stage) {
     const bool two = output.second.buffer != VK_NULL_HANDLE;
     const uint64_t slice = slice_size(device(), 4ull * std::max(output.first.stride, two ? output.second.stride : 1));
     for (uint64_t first = 0; first < info.vertex_capacity; first += slice) {
@@ -351,21 +368,18 @@ Result<void> TessellationPreparation::add_output(const VertexOutput& output, Sta
                                      output.second.stride, static_cast<uint32_t>(first), static_cast<uint32_t>(end)};
         for (int i = 0; i < 6; ++i) p.payload[i] = word(payload[i]);
         for (size_t i = 0; i < output.payload.size(); ++i) p.payload[6 + i] = word(output.payload[i]);
-        const std::tuple<uint32_t, uint64_t, uint32_t> domains[] = {
-            {shared::kTessCorners, table().corner_count, 1},
-            {shared::kTessRows, table().row_count, lanes_of_rows},
-            {shared::kTessFaces, table().face_count, lanes_of_faces}};
-        for (const auto& [domain, count, lanes] : domains) {
-            if (count == 0) continue;
-            auto made = dispatch(output.kernel, *set, count * lanes, p, domain, output.output, lanes);
-            if (!made) return made.error();
-            stage.push_back(*made);
-        }
+        const std::tuple<uint32_t, uint32_t, uint32_t Lanes::*> domains[] = {
+            {shared::kTessCorners, table().corner_count, &Lanes::corners},
+            {shared::kTessRows, table().row_count, &Lanes::rows},
+            {shared::kTessFaces, table().face_count, &Lanes::faces}};
+        for (const auto& [domain, count, lanes] : domains)
+            if (auto added = add_items(stage, output.kernel, *set, count, lanes, p, domain, output.output); !added)
+                return added;
     }
     return {};
 }
 
-Result<void> TessellationPreparation::add_copies(const PointBuffer& positions, Stage& stage) {
+Result<void> TessellationPreparation::add_copies(const PointBuffer& positions, ItemStage& stage) {
     const uint32_t corners = table().corner_copy_count, rows = table().row_copy_count;
     if (corners + rows == 0 || info.vertex_capacity == 0) return {};
     // Corners and rows come first, and nothing within faces is copied: all that must be bound at once.
@@ -379,15 +393,12 @@ Result<void> TessellationPreparation::add_copies(const PointBuffer& positions, S
     TessParams p = params(table().vertices.offsets);
     p.payload[0] = word(base);
     p.payload[1] = word(positions.stride);
-    const std::tuple<uint32_t, uint32_t, uint32_t, uint32_t> domains[] = {
-        {shared::kTessCorners, corners, 0, 1}, {shared::kTessRows, rows, corners, lanes_of_rows}};
+    const std::tuple<uint32_t, uint32_t, uint32_t, uint32_t Lanes::*> domains[] = {
+        {shared::kTessCorners, corners, 0, &Lanes::corners}, {shared::kTessRows, rows, corners, &Lanes::rows}};
     for (const auto& [domain, count, first, lanes] : domains) {
-        if (count == 0) continue;
         p.payload[7] = word(count);
         p.payload[8] = word(first);
-        auto made = dispatch(kTessCopyKernel, *set, uint64_t{count} * lanes, p, domain, 0, lanes);
-        if (!made) return made.error();
-        stage.push_back(*made);
+        if (auto added = add_items(stage, kTessCopyKernel, *set, count, lanes, p, domain, 0); !added) return added;
     }
     return {};
 }
@@ -508,14 +519,15 @@ Result<Tessellation> Tessellator::prepare(const TessellationInfo& info) const {
     out.spacing = info.spacing;
     out.cull_outside = info.cull_outside;
     out.cull_backfaces = info.cull_backfaces;
+    out.has_instances = info.instances.buffer != VK_NULL_HANDLE;
+    out.cpu_device = state_->texel;
     out.max_rate = table.max_rate;
     out.table = &table;
     const VkDeviceSize words = word_bytes_of(table, table.rate_edge_count, is_rates_only(info));
-    auto buffer = create_buffer(*state_->device, words, kPointUsage, MemoryUse::device);
+    auto buffer = create_buffer(*state_->device, words, kPointUsage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::device);
     if (!buffer) return buffer.error();
     out.words = std::move(*buffer);
-    // llvmpipe runs 8 invocations as one: with 8 a face, faces never wait for each other.
-    TessellationPreparation preparation{*state_, info, out, state_->texel ? 8u : 32u, 8u};
+    TessellationPreparation preparation{*state_, info, out};
     if (auto added = preparation.add_local(*info.patches, table.vertices, info.points, 3); !added) return added.error();
     if (auto added = preparation.add_rates(); !added) return added.error();
     if (is_rates_only(info)) return tessellation;

@@ -48,6 +48,16 @@ void set_camera(const Camera& camera, float* payload) {
     }
 }
 
+template <class Change>
+Dispatch changed(const Dispatch& dispatch, const Change& change) {
+    Dispatch copy = dispatch;
+    TessParams params;
+    std::memcpy(&params, copy.push_constants.data(), sizeof(params));
+    change(params);
+    std::memcpy(copy.push_constants.data(), &params, sizeof(params));
+    return copy;
+}
+
 }  // namespace
 
 Tessellation::Tessellation() : state_(std::make_unique<State>()) {}
@@ -63,11 +73,45 @@ VkBuffer Tessellation::state_buffer() const {
     return state_->words.handle;
 }
 
-/// With a barrier behind it.
+/// With a barrier behind it. The state also says how many workgroups dispatches have.
 void Tessellation::State::record_stage(VkCommandBuffer commands, std::span<const Dispatch> stage) const {
     sets.record(commands, stage);
-    record_barrier(device(), commands, kKernelWrites,
-                   {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT});
+    record_barrier(device(), commands, kKernelWrites, kKernelReads | kKernelWrites | kIndirectReads);
+}
+
+uint32_t Tessellation::largest_rate(const RateSettings& settings) const {
+    const bool bounded = state_->mode == RateMode::uniform && !state_->has_instances && settings.value > 0 &&
+                         settings.value < static_cast<float>(settings.max_rate);
+    const uint32_t least = state_->spacing == TessellationSpacing::fractional ? 2 : 1;
+    return bounded ? std::max(least, static_cast<uint32_t>(std::ceil(settings.value))) : settings.max_rate;
+}
+
+/// llvmpipe runs 8 invocations as one. Where faces have about the same rate, these are 8 faces, and none of them is idle (a
+/// torus of 11,025 faces: a third, at rate 16 four fifths of the frame's CPU time with 8 a face). Else faces would wait for
+/// each other; and what an invocation does has to stay short, since there all its loops end after 65,535 rounds together.
+Lanes Tessellation::State::lanes_for(uint32_t largest_rate) const {
+    Lanes lanes = {.rows = 8, .faces = 32, .triangles = 32};
+    if (cpu_device) {
+        const bool alike = largest_rate <= (mode == RateMode::uniform ? 16u : 8u);
+        lanes = alike ? Lanes{.rows = 1, .faces = 1, .triangles = 1} : Lanes{.rows = 2, .faces = 8, .triangles = 4};
+    }
+    if (largest_rate == 1) lanes.rows = 0;  // rows of one segment have no vertices
+    return lanes;
+}
+
+void Tessellation::State::record_items(VkCommandBuffer commands, const Recording& recording, const ItemStage& stage,
+                                       uint32_t largest_rate) const {
+    const Lanes lanes = lanes_for(largest_rate);
+    Recording::Bound bound;
+    for (const ItemDispatch& items : stage) {
+        const uint32_t each = lanes.*items.lanes;
+        if (each == 0) continue;
+        Dispatch dispatch = changed(items.dispatch, [&](TessParams& params) {
+            params.payload[shared::kTessLanesPayload] = word(static_cast<uint32_t>(std::countr_zero(each)));
+        });
+        recording.set_groups(dispatch, (uint64_t{items.item_count} * each - 1) / shared::kTessWorkgroupSize + 1);
+        recording.record(commands, dispatch, bound);
+    }
 }
 
 void Tessellation::record_points(VkCommandBuffer command_buffer) const {
@@ -80,40 +124,41 @@ void Tessellation::record_points(VkCommandBuffer command_buffer) const {
     record_barrier(s.device(), command_buffer, kKernelWrites, kKernelReads);
 }
 
-void Tessellation::record_triangles(VkCommandBuffer command_buffer) const {
-    state_->sets.record(command_buffer, state_->triangles);
+void Tessellation::record_triangles(VkCommandBuffer command_buffer, uint32_t largest_rate) const {
+    state_->record_items(command_buffer, state_->sets, state_->triangles, largest_rate);
 }
 
-void Tessellation::State::record_positions(VkCommandBuffer commands, const PositionPass& pass) const {
-    sets.record(commands, pass.vertices);
+void Tessellation::State::record_positions(VkCommandBuffer commands, const PositionPass& pass, uint32_t largest_rate) const {
+    record_items(commands, sets, pass.vertices, largest_rate);
     if (pass.copies.empty()) return;
     record_barrier(device(), commands, kKernelWrites, kKernelReads);
-    sets.record(commands, pass.copies);
+    record_items(commands, sets, pass.copies, largest_rate);
 }
 
-void Tessellation::record_vertices(VkCommandBuffer command_buffer) const {
-    state_->record_positions(command_buffer, state_->plain);
+void Tessellation::record_vertices(VkCommandBuffer command_buffer, uint32_t largest_rate) const {
+    state_->record_positions(command_buffer, state_->plain, largest_rate);
 }
 
-void Tessellation::record_heights(VkCommandBuffer command_buffer) const {
-    state_->height_sets.record(command_buffer, state_->heights);
+void Tessellation::record_heights(VkCommandBuffer command_buffer, uint32_t largest_rate) const {
+    state_->record_items(command_buffer, state_->height_sets, state_->heights, largest_rate);
 }
 
-void Tessellation::record_displacement(VkCommandBuffer command_buffer) const {
-    state_->record_positions(command_buffer, state_->displaced);
+void Tessellation::record_displacement(VkCommandBuffer command_buffer, uint32_t largest_rate) const {
+    state_->record_positions(command_buffer, state_->displaced, largest_rate);
 }
 
 Result<void> Tessellation::record(VkCommandBuffer command_buffer, const RateSettings& settings) const {
+    const uint32_t largest = largest_rate(settings);
     record_points(command_buffer);
     auto recorded = record_rates(command_buffer, settings);
-    record_triangles(command_buffer);
-    record_vertices(command_buffer);
+    record_triangles(command_buffer, largest);
+    record_vertices(command_buffer, largest);
     if (state_->heights.empty()) return recorded;
     const StageAccess both = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                               VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-    record_heights(command_buffer);
+    record_heights(command_buffer, largest);
     record_barrier(state_->device(), command_buffer, kKernelWrites, both);
-    record_displacement(command_buffer);
+    record_displacement(command_buffer, largest);
     return recorded;
 }
 
@@ -129,13 +174,10 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
         checked = bad_argument("the largest rate is larger than that which the patch trees were built for");
     if (!checked) settings = {.max_rate = s.max_rate};  // kernels run, for what they leave, and must end
     const auto patched = [&](const Dispatch& dispatch, const auto& change) {
-        Dispatch copy = dispatch;
-        TessParams params;
-        std::memcpy(&params, copy.push_constants.data(), sizeof(params));
-        params.max_rate = settings.max_rate;
-        change(params.payload);
-        std::memcpy(copy.push_constants.data(), &params, sizeof(params));
-        return copy;
+        return changed(dispatch, [&](TessParams& params) {
+            params.max_rate = settings.max_rate;
+            change(params.payload);
+        });
     };
     const uint32_t status = checked ? shared::kTessComplete : shared::kTessBadSettings;
     const Dispatch begin = patched(s.begin, [&](float* payload) { payload[3] = word(status); });
@@ -154,11 +196,16 @@ Result<void> Tessellation::record_rates(VkCommandBuffer command_buffer, const Ra
         payload[16] = settings.bound;
     });
     s.record_stage(command_buffer, {&drawn, 1});
-    for (const Stage& stage : s.rates) {
-        Stage copies = stage;
-        for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
-        s.record_stage(command_buffer, copies);
-    }
+    const auto record_stages = [&](std::span<const Stage> stages) {
+        for (const Stage& stage : stages) {
+            Stage copies = stage;
+            for (Dispatch& dispatch : copies) dispatch = patched(dispatch, [](float*) {});
+            s.record_stage(command_buffer, copies);
+        }
+    };
+    record_stages(s.rates);
+    record_stages(s.scaled);
+    if (!s.instance_commands.empty()) record_stages({&s.instance_commands, 1});
     return checked;
 }
 

@@ -127,16 +127,20 @@ class Tessellation {
 
     /// The passes of a frame, in this order; barriers between them are included. Points and vertices alone (and what
     /// displaces them) keep the rates and indices that are there: for animation, and for refitting what refers to the mesh.
+    /// What the others write is the same for any `largest_rate` that no rate exceeds; with a small one they take less time:
+    /// pass largest_rate(settings) of the settings of record_rates.
     void record_points(VkCommandBuffer command_buffer) const;  ///< local points of patches
     Result<void> record_rates(VkCommandBuffer command_buffer,
                               const RateSettings& settings) const;  ///< rates, counts, the command and the result
-    void record_triangles(VkCommandBuffer command_buffer) const;
-    void record_vertices(VkCommandBuffer command_buffer) const;
+    void record_triangles(VkCommandBuffer command_buffer, uint32_t largest_rate = shared::kMaxSideRate) const;
+    void record_vertices(VkCommandBuffer command_buffer, uint32_t largest_rate = shared::kMaxSideRate) const;
     /// Heights from the texture, where there is one. Before: vertices.
-    void record_heights(VkCommandBuffer command_buffer) const;
+    void record_heights(VkCommandBuffer command_buffer, uint32_t largest_rate = shared::kMaxSideRate) const;
     /// Positions and normals of the displaced surface. Before: heights visible to kKernelReads, positions no longer in
     /// use. `record` has both where there is a texture.
-    void record_displacement(VkCommandBuffer command_buffer) const;
+    void record_displacement(VkCommandBuffer command_buffer, uint32_t largest_rate = shared::kMaxSideRate) const;
+    /// What no rate of these settings exceeds, be they scaled to fit or not.
+    uint32_t largest_rate(const RateSettings& settings) const;
 
     VkDeviceSize state_bytes() const;
     /// Rates and which faces are drawn, as limn/shared/tess_params.h lays them out: for debugging and colours.

@@ -18,8 +18,6 @@
 #include "limn_kernels/tess_drawn_texel.h"
 #include "limn_kernels/tess_height.h"
 #include "limn_kernels/tess_height_texel.h"
-#include "limn_kernels/tess_offset.h"
-#include "limn_kernels/tess_offset_texel.h"
 #include "limn_kernels/tess_round.h"
 #include "limn_kernels/tess_round_texel.h"
 #include "limn_kernels/tess_scan.h"
@@ -43,7 +41,6 @@ enum TessKernel : uint32_t {
     kTessRoundKernel,
     kTessCountKernel,
     kTessScanKernel,
-    kTessOffsetKernel,
     kTessCommandsKernel,
     kTessVerticesKernel,
     kTessCopyKernel,
@@ -58,7 +55,7 @@ inline std::span<const uint32_t> tess_kernel_spirv(TessKernel kernel, bool texel
     const std::span<const uint32_t> spirv[kTessKernelCount][2] = {
         {kTessBudget, kTessBudgetTexel},     {kTessTarget, kTessTargetTexel}, {kTessDrawn, kTessDrawnTexel},
         {kTessTrial, kTessTrialTexel},       {kTessRound, kTessRoundTexel},   {kTessCount, kTessCountTexel},
-        {kTessScan, kTessScanTexel},         {kTessOffset, kTessOffsetTexel},
+        {kTessScan, kTessScanTexel},
         {kTessCommands, kTessCommandsTexel}, {kTessVertices, kTessVerticesTexel},
         {kTessCopy, kTessCopyTexel},         {kTessTriangles, kTessTrianglesTexel},
         {kTessDisplace, kTessDisplaceTexel}, {kTessHeight, kTessHeightTexel}};
