@@ -152,7 +152,7 @@ using PatchTableDouble = BasicPatchTable<double>;
 
 struct PatchTableOptions {
     Interpolation interpolation = Interpolation::vertex;
-    /// Levels that a plan's tree goes down before it refers to another plan, 1 .. 10: evaluation descends
+    /// Levels that a plan's tree goes down at most before it refers to another plan, 1 .. 10: evaluation descends
     /// that far at once. The surface is the same for all. Not used with Gregory end caps.
     uint32_t plan_depth = 3;
     EndCap end_cap = EndCap::exact;
