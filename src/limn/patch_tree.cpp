@@ -65,6 +65,7 @@ struct Budget {
         for (const Plan& plan : table.plans) ring = std::max<uint64_t>(ring, plan.ring_size);
         most_work = kLeast + kMargin * table.plan_weights.size() * ring;
     }
+    void spend() { work = most_work + 1; }
     bool is_spent() const { return work > most_work || weights > most_weights || part.is_cancelled(); }
     Result<void> check(uint64_t max_bytes) const {
         if (auto ok = part.check(); !ok) return ok;
@@ -194,9 +195,19 @@ struct Grower {
         add_leaf(slot, kind, rotation, points);
     }
 
+    /// Those of a mesh go down some forty calls; a table from elsewhere must not take the stack.
+    static constexpr uint32_t kMostDepth = 512;
+    uint32_t depth = 0;
+
     /// `node` of the plan visited, whose cell is size_u x size_v of the surface.
     void grow(uint32_t slot, uint32_t rotation, const PlanNode& node, Visit& visit, double size_u, double size_v) {
+        if (depth == kMostDepth) budget.spend();
         if (budget.is_spent()) return;
+        ++depth;
+        grow_node(slot, rotation, node, visit, size_u, size_v);
+        --depth;
+    }
+    void grow_node(uint32_t slot, uint32_t rotation, const PlanNode& node, Visit& visit, double size_u, double size_v) {
         const Plan& plan = table.plans[visit.plan];
         if (node.kind() == PlanNodeKind::plan) {
             Visit next = enter(node.plan());
