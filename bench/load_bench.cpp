@@ -16,12 +16,13 @@
 namespace limn::bench {
 namespace {
 
-constexpr uint32_t kRate = 4;
+constexpr uint32_t kRates[] = {1, 4};
 
 struct Setup {
     const Session& session;
     const vk::SurfaceEvaluator& surfaces;
     const vk::Tessellator& tessellator;
+    uint32_t rate;
     vk::TessellationResult expected = {};
     std::vector<uint32_t> vertices = {};  ///< bits of the first frame that was made
 
@@ -97,7 +98,7 @@ void upload(const Setup& s, const BakedMesh& mesh, Frame& f) {
     f.points = create(uint64_t{3} * f.patches.point_count);
     const std::span<const float> positions(mesh.positions.data(), mesh.positions.size());
     value_or_fail(s.options(), vk::upload_bytes(s.device(), f.points, 0, std::as_bytes(positions)));
-    const std::vector<uint32_t> rates(mesh.tessellation.rate_edge_count, kRate * shared::kRateOne);
+    const std::vector<uint32_t> rates(mesh.tessellation.rate_edge_count, s.rate * shared::kRateOne);
     const TessellationCounts most = count_tessellation(mesh.tessellation, rates, TessellationSpacing::integer);
     f.vertices = create(6 * most.vertices);
     f.indices = create(3 * most.triangles);
@@ -123,7 +124,7 @@ void draw(const Setup& s, Frame& f) {
     auto commands = value_or_fail(s.options(), vk::Commands::begin(s.device()));
     points.record(commands);
     vk::record_barrier(s.device(), commands, vk::kKernelWrites, vk::kKernelReads);
-    value_or_fail(s.options(), tessellation.record(commands, {.value = kRate}));
+    value_or_fail(s.options(), tessellation.record(commands, {.value = static_cast<float>(s.rate)}));
     value_or_fail(s.options(), commands.submit_and_wait());
 }
 
@@ -164,14 +165,14 @@ void bench_steps(Setup& s, Row row, const std::vector<Step>& steps, Frame& frame
 }
 
 void bench_model(const Session& session, const vk::SurfaceEvaluator& surfaces, const vk::Tessellator& tessellator,
-                 const BenchModel& model) {
-    show_progress(session.options, "load " + model.name);
-    Setup s{session, surfaces, tessellator};
+                 const BenchModel& model, uint32_t rate) {
+    show_progress(session.options, "load " + model.name + " rate " + std::to_string(rate));
+    Setup s{session, surfaces, tessellator, rate};
     const ModelFiles files(s.options(), model);
     Row row{.scenario = "load",
             .model = model.name,
             .faces = model.mesh.face_count(),
-            .parameters = {{"rate", kRate}},
+            .parameters = {{"rate", rate}},
             .items = static_cast<double>(model.mesh.face_count()),
             .unit = "faces"};
     Frame frame;
@@ -201,8 +202,11 @@ void bench_model(const Session& session, const vk::SurfaceEvaluator& surfaces, c
 void bench_load(const Session& session) {
     const auto surfaces = value_or_fail(session.options, vk::SurfaceEvaluator::create(session.machines.device()));
     const auto tessellator = value_or_fail(session.options, vk::Tessellator::create(session.machines.device()));
-    for (const BenchModel& model : session.models) bench_model(session, surfaces, tessellator, model);
-    bench_model(session, surfaces, tessellator, make_quads("plane", session.options.quick ? 20 : 105));
+    const BenchModel plane = make_quads("plane", session.options.quick ? 20 : 105);
+    for (const uint32_t rate : kRates) {
+        for (const BenchModel& model : session.models) bench_model(session, surfaces, tessellator, model, rate);
+        bench_model(session, surfaces, tessellator, plane, rate);
+    }
 }
 
 }  // namespace limn::bench
