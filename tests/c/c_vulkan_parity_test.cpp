@@ -52,6 +52,10 @@ CEvaluations prepare_in_c(Objects& objects, limn_vk_evaluator* evaluator, const 
     grid.values = points_of(in.output, at.grid), grid.normals = points_of(in.output, at.grid_normals);
     out.all.push_back(
         LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_grid, evaluator, &grid));
+    grid.values = points_of(in.output, at.packed_grid), grid.normals = points_of(in.output, at.packed_normals);
+    grid.packed_normals = 1;
+    out.all.push_back(
+        LIMN_NEW(objects, limn_vk_evaluation, limn_vk_evaluator_prepare_grid, evaluator, &grid));
     auto local = sized<limn_vk_local_points_info>();
     local.patches = t.patches, local.trees = t.sample_trees, local.points = points_of(in.points);
     local.local_points = in.local_points.handle;

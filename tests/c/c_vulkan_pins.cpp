@@ -25,9 +25,9 @@ LIMN_PIN_STRUCT(limn_vk_points_info, 48, LIMN_AT(struct_size, 0), LIMN_AT(width,
 LIMN_PIN_STRUCT(limn_vk_stencils_info, 152, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(table, 8),
                 LIMN_AT(source, 16), LIMN_AT(destination, 48), LIMN_AT(tangent1, 80), LIMN_AT(tangent2, 112),
                 LIMN_AT(first_row, 144), LIMN_AT(row_count, 148))
-LIMN_PIN_STRUCT(limn_vk_grid_info, 184, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(patches, 8),
+LIMN_PIN_STRUCT(limn_vk_grid_info, 192, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(patches, 8),
                 LIMN_AT(grid, 16), LIMN_AT(points, 24), LIMN_AT(values, 56), LIMN_AT(normals, 88), LIMN_AT(du, 120),
-                LIMN_AT(dv, 152))
+                LIMN_AT(dv, 152), LIMN_AT(packed_normals, 184), LIMN_AT(reserved, 188))
 LIMN_PIN_STRUCT(limn_vk_local_points_info, 64, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(patches, 8),
                 LIMN_AT(trees, 16), LIMN_AT(points, 24), LIMN_AT(local_points, 56))
 LIMN_PIN_STRUCT(limn_vk_samples_info, 152, LIMN_AT(struct_size, 0), LIMN_AT(width, 4), LIMN_AT(patches, 8),

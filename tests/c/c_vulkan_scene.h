@@ -33,7 +33,8 @@ struct Layout {
                  grid_normals = add(3 * 1024), samples = add(9 * kSampleCount), statuses = add(kSampleCount),
                  tree_samples = add(9 * kSampleCount), stencils = add(3 * 1024), tangent1 = add(3 * 1024),
                  tangent2 = add(3 * 1024), locations = add(5 * kSampleCount),
-                 location_statuses = add(kSampleCount), refined = add(3 * 1024), refined_channel = add(2 * 1024);
+                 location_statuses = add(kSampleCount), refined = add(3 * 1024), refined_channel = add(2 * 1024),
+                 packed_grid = add(3 * 1024), packed_normals = add(1024);
 };
 
 /// The caller's: made with the C++ interface for both.
@@ -170,6 +171,12 @@ inline std::vector<uint32_t> run_in_cpp(const Device& device) {
                                                               .points = {.buffer = in.points.handle},
                                                               .values = output(at.grid),
                                                               .normals = output(at.grid_normals)});
+    const SurfaceEvaluation on_packed_grid = *surfaces.prepare_grid({.patches = &device_patches,
+                                                                     .grid = &grid,
+                                                                     .points = {.buffer = in.points.handle},
+                                                                     .values = output(at.packed_grid),
+                                                                     .normals = output(at.packed_normals, 1),
+                                                                     .packed_normals = true});
     const SurfaceEvaluation local = *surfaces.prepare_local_points({.patches = &device_patches,
                                                                     .trees = &sample_trees,
                                                                     .points = {.buffer = in.points.handle},
@@ -215,6 +222,7 @@ inline std::vector<uint32_t> run_in_cpp(const Device& device) {
     settings.camera.matrix[0] = settings.camera.matrix[5] = 0.2f;
     EXPECT_TRUE(tessellation.record(commands, settings));
     on_grid.record(commands);
+    on_packed_grid.record(commands);
     local.record(commands);
     record_barrier(device, commands, kKernelWrites, kKernelReads);
     at_samples.record(commands);

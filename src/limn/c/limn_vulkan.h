@@ -237,6 +237,8 @@ typedef struct limn_vk_grid_info {
     limn_vk_points normals;  ///< optional: a null buffer; width 3
     limn_vk_points du;       ///< optional: both or none, and no normals
     limn_vk_points dv;
+    uint32_t packed_normals;  ///< not 0: normals are one word each, octahedral (limn/shared/octahedral.h)
+    uint32_t reserved;        ///< 0
 } limn_vk_grid_info;
 limn_result limn_vk_evaluator_prepare_grid(const limn_vk_evaluator* evaluator, const limn_vk_grid_info* info,
                                            limn_vk_evaluation** evaluation, limn_error* error) LIMN_C_NOEXCEPT;

@@ -75,12 +75,14 @@ limn_result limn_vk_evaluator_prepare_stencils(const limn_vk_evaluator* evaluato
 limn_result limn_vk_evaluator_prepare_grid(const limn_vk_evaluator* evaluator, const limn_vk_grid_info* info,
                                            limn_vk_evaluation** evaluation, limn_error* error) noexcept {
     return prepare(evaluator, info, evaluation, error, [&](const auto& i, uint32_t width, Reader& reader) {
+        if (i.reserved != 0) reader.fail("reserved is not 0");
         return evaluator->surfaces.prepare_grid({.patches = value_of(i.patches),
                                                  .grid = value_of(i.grid),
                                                  .width = width,
                                                  .points = read_points(reader, i.points, width),
                                                  .values = read_points(reader, i.values, width),
-                                                 .normals = read_points(reader, i.normals, 3),
+                                                 .normals = read_points(reader, i.normals, i.packed_normals != 0 ? 1 : 3),
+                                                 .packed_normals = i.packed_normals != 0,
                                                  .du = read_points(reader, i.du, width),
                                                  .dv = read_points(reader, i.dv, width)});
     });
