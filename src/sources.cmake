@@ -308,6 +308,7 @@ set(vulkan_files
     src/limn/vulkan/scheme_evaluator.cpp
     src/limn/vulkan/skinning.h
     src/limn/vulkan/skinning.cpp
+    src/limn/vulkan/surface_reads.h
     src/limn/vulkan/surface_evaluator.h
     src/limn/vulkan/surface_evaluator.cpp
     src/limn/vulkan/curvature.h
@@ -420,6 +421,7 @@ set(private_headers
     src/limn/vulkan/pipeline.h
     src/limn/vulkan/point_buffers.h
     src/limn/vulkan/recording.h
+    src/limn/vulkan/surface_reads.h
     src/limn/vulkan/table_upload.h
     src/limn/vulkan/table_copies.h
     src/limn/vulkan/tessellation_upload.h

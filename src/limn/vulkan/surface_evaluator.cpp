@@ -6,8 +6,7 @@
 
 #include "limn/shared/grid_eval_params.h"
 #include "limn/shared/tree_eval_params.h"
-#include "limn/vulkan/point_buffers.h"
-#include "limn/vulkan/recording.h"
+#include "limn/vulkan/surface_reads.h"
 #include "limn_kernels/grid_eval.h"
 #include "limn_kernels/grid_eval_texel.h"
 #include "limn_kernels/grid_rows_texel.h"
@@ -49,10 +48,6 @@ Result<void> check(const GridEvaluationInfo& info) {
     return {};
 }
 
-constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kFloats = VK_FORMAT_R32_SFLOAT,
-                   kWordGroups = VK_FORMAT_R32G32B32A32_UINT, kGroups = VK_FORMAT_R32G32B32A32_SFLOAT,
-                   kPoints = VK_FORMAT_R32G32B32_SFLOAT;
-
 /// A grid, and where its rings are: in a patch table, or in a buffer of their own.
 struct GridJob {
     GridEvaluationInfo info;
@@ -60,36 +55,6 @@ struct GridJob {
     VkDeviceSize rings_bytes;
     uint32_t ring_base, narrow_rings, point_count;
     bool refined;
-};
-
-/// How the kernels of a device read: through texel buffers or not (reads_texels).
-struct Reads {
-    const VkPhysicalDeviceLimits& limits;
-    bool texel;
-    bool point_texels;  ///< reads_point_texels
-
-    BoundBuffer bind(VkBuffer buffer, uint64_t begin, uint64_t end, VkFormat format) const {
-        const uint64_t element = format == kGroups || format == kWordGroups ? 16 : format == kPoints ? 12 : 4;
-        const uint64_t alignment = std::max<uint64_t>(
-            format == kPoints ? 4 : element, texel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment);
-        begin = align_elements(begin, alignment, element);
-        return {buffer, begin, end - begin,
-                texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, format};
-    }
-    BoundBuffer write(VkBuffer buffer, uint64_t begin, uint64_t end) const {
-        begin -= begin % std::max<uint64_t>(16, limits.minStorageBufferOffsetAlignment);
-        return {buffer, begin, end - begin, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_FORMAT_UNDEFINED};
-    }
-    /// Whether points can be bound as texels, each one's components at once.
-    bool are_texels(const PointBuffer& points, uint32_t width) const {
-        const uint64_t begin = byte_of(points, 0, 0);
-        return point_texels && width == 3 && points.stride % 3 == 0 &&
-               align_elements(begin, std::max<uint64_t>(4, limits.minTexelBufferOffsetAlignment), 12) <= begin;
-    }
-    /// Where component 0 of a point is in a bound buffer, in floats.
-    static uint32_t base(const PointBuffer& points, uint64_t point, const BoundBuffer& bound) {
-        return static_cast<uint32_t>((byte_of(points, point, 0) - bound.offset_bytes) / 4);
-    }
 };
 
 uint64_t group_count_of(const GridBatch& batch, uint32_t chunk_count) {
