@@ -14,9 +14,9 @@ std::span<const std::byte> bytes_of(const std::vector<uint32_t>& words) {
     return std::as_bytes(std::span(words));
 }
 
-/// Whole groups of four words: what kernels read at once.
+/// Arrays of groups of four words stay such.
 VkDeviceSize with_reserve(VkDeviceSize bytes, float reserve) {
-    return (bytes + static_cast<VkDeviceSize>(static_cast<double>(reserve) * static_cast<double>(bytes)) + 15) / 16 * 16;
+    return bytes + (static_cast<VkDeviceSize>(static_cast<double>(reserve) * static_cast<double>(bytes)) + 15) / 16 * 16;
 }
 
 /// Plans a buffer of sections, which begin at the offsets that `after` refers to and, where they do not fit,
@@ -32,7 +32,7 @@ Result<void> plan_sections(const Buffer& buffer, std::span<const TableSection> b
     VkDeviceSize at = 0;
     for (size_t i = 0; i < after.size() && !fits; ++i) {
         *after[i].offset = static_cast<uint32_t>(at / 4);
-        at += with_reserve(after[i].bytes, reserve);
+        at += (with_reserve(after[i].bytes, reserve) + 15) / 16 * 16;
         if (at / 4 > 0xffffffffu) return Error{ErrorCode::too_large, "a table of 2^32 words or more"};
     }
     const uint32_t target = copies.add_target(fits ? 0 : std::max<VkDeviceSize>(at, 16));
